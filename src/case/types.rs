@@ -1,0 +1,360 @@
+//! The resolved case: every key with its value, whether typed or defaulted.
+//!
+//! Serialising a [`Case`] gives a case file that parses to the same [`Case`]: that is the
+//! `case.toml` which a run leaves in its folder. Units are kN, m, s, t (so kPa and kN/m3).
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+/// One problem, ready to be turned into a scene.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Case {
+    /// A line for people.
+    pub title: String,
+    /// Master seed of everything random in the case.
+    pub seed: u64,
+    pub grid: Grid,
+    pub points: Points,
+    pub solver: Solver,
+    pub explicit: Explicit,
+    pub gravity: Gravity,
+    pub initial_stress: InitialStress,
+    pub damping: Damping,
+    pub jitter: Jitter,
+    pub end: End,
+    pub output: Output,
+    /// Sliding distance of a slope; `None` where the case has no crest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub slide: Option<Slide>,
+    pub boundary: Boundary,
+    /// Materials by name.
+    pub material: BTreeMap<String, Material>,
+    /// Regions in the order of the file.
+    pub region: Vec<Region>,
+}
+
+/// The background grid: square cells.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Grid {
+    /// Cell size h (m). The file may also give a fraction as text: "5/29".
+    pub cell: f64,
+    /// Lower left corner (m).
+    pub origin: [f64; 2],
+    /// Width and height (m); rounded up to whole cells.
+    pub size: [f64; 2],
+}
+
+/// Where material points start.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Points {
+    /// Positions inside a cell.
+    pub layout: Layout,
+    /// Points per cell and axis: n x n points per full cell.
+    pub per_axis: usize,
+    /// What happens in cells that a region covers only in part.
+    pub cut_cells: CutCells,
+}
+
+/// Positions of the points inside a full cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Layout {
+    /// Positions of the n-point Gauss rule on each axis, equal volumes.
+    Gauss,
+    /// Centres of n x n equal squares.
+    Even,
+}
+
+/// The rule for cells that the outline of the soil cuts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CutCells {
+    /// A cut cell is filled as if it were full (the paper's 1810 cells; a staircase surface).
+    Full,
+    /// Only the points inside the outline are kept, each with its full volume.
+    Inside,
+    /// As `inside`, with volumes scaled so that each cell holds its exact area of soil.
+    Scaled,
+}
+
+/// Integrator and strain measure.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Solver {
+    pub scheme: Scheme,
+    pub kinematics: Kinematics,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Scheme {
+    Explicit,
+}
+
+/// Strain measure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kinematics {
+    /// Logarithmic elastic strain, updated Lagrangian.
+    Hencky,
+    /// Jaumann rate of the Cauchy stress (explicit only).
+    Rate,
+}
+
+/// Keys of the explicit scheme.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Explicit {
+    pub stress_update: StressUpdate,
+    /// Rate (1/s) at which the particle velocity relaxes to the grid velocity (PIC); 0 is pure FLIP.
+    pub pic_rate: f64,
+    /// Safety factor on the Courant time step.
+    pub courant: f64,
+    /// A fixed time step (s) in place of the Courant step.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time_step: Option<f64>,
+    /// Nodes lighter than this fraction of the mean point mass are accelerated as if they had
+    /// it (never their velocity). 0 switches the floor off; MUSL does not need it.
+    pub mass_floor: f64,
+}
+
+/// When stresses are updated within a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StressUpdate {
+    /// Last, with velocities mapped back from the moved points (modified update-stress-last).
+    Musl,
+    /// Last, with the nodal velocities as they are (update-stress-last).
+    Usl,
+}
+
+/// Gravity: direction and history.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Gravity {
+    /// g (m/s2); also turns unit weights into densities.
+    pub acceleration: f64,
+    /// Angle (degrees) by which gravity leans from straight down towards +x: an incline.
+    pub tilt: f64,
+    #[serde(flatten)]
+    pub schedule: GravitySchedule,
+}
+
+/// How gravity is brought on. The tag is the key `schedule`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "schedule", rename_all = "snake_case")]
+pub enum GravitySchedule {
+    /// No gravity.
+    None,
+    /// Full from the first step.
+    AtOnce,
+    /// Grows linearly from 0 to full over `ramp_time` (s).
+    Ramp { ramp_time: f64 },
+    /// For inclines: the part normal to the base grows over `ramp_time`, the soil settles
+    /// (with `settle_damping` as local damping) for `settle_time`, and the part along the base
+    /// then grows over `tangential_time` (all s).
+    NormalFirst { ramp_time: f64, settle_time: f64, settle_damping: f64, tangential_time: f64 },
+    /// In-situ phase first: full gravity on an elastic body with `settle_damping` as local
+    /// damping, ramped over `ramp_time` and held for `settle_time` (s); then displacements and
+    /// velocities are set to zero and the materials may yield.
+    ElasticFirst { ramp_time: f64, settle_time: f64, settle_damping: f64 },
+}
+
+/// Stress before the first step. The tag is the key `kind`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum InitialStress {
+    None,
+    /// sigma_yy = -unit weight x depth below the surface straight above, sigma_xx = sigma_zz = k0 sigma_yy.
+    K0 { k0: f64 },
+    /// The same Cauchy stress (kPa, tension positive) everywhere.
+    Given { xx: f64, yy: f64, zz: f64, xy: f64 },
+}
+
+/// Damping of the motion, off by default.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Damping {
+    /// Cundall's local damping: fraction of the out-of-balance force, against the velocity.
+    pub local: f64,
+    /// Viscous damping: force = -viscous x mass x velocity (1/s).
+    pub viscous: f64,
+}
+
+/// A tiny random change of strength, to see how much of an answer is chance.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Jitter {
+    /// Largest relative change of a point's strength (0.0005 is +-0.05 %); 0 is off.
+    pub strength: f64,
+    /// Which of the jittered runs this is.
+    pub realisation: u64,
+}
+
+/// When a run is over.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct End {
+    /// Latest simulated time (s).
+    pub time: f64,
+    /// Whether the run may end earlier, at rest.
+    pub at_rest: bool,
+    /// At rest: nodal kinetic energy below this fraction of its maximum ...
+    pub rest_energy: f64,
+    /// ... and the sliding distance unchanged for this long (s).
+    pub rest_hold: f64,
+}
+
+/// What is written, and how often.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Output {
+    /// Interval of rows in history.csv (s).
+    pub history: f64,
+    /// Interval of frames (s).
+    pub frames: f64,
+    /// Times of the pictures (s); empty: a choice of six over the run.
+    pub pictures: Vec<f64>,
+}
+
+/// How the sliding distance is read.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Slide {
+    /// The crest: x and y (m) of the top of the slope. Default: the right end of the highest
+    /// outline of the regions.
+    pub crest: [f64; 2],
+    /// Horizontal displacement (m) from which a point of the surface counts as slid.
+    pub threshold: f64,
+    /// Further displacement thresholds (m), reported beside the first.
+    pub also: Vec<f64>,
+    /// r above this (m) has reached the wall: the slide is flagged as censored.
+    pub censored_above: f64,
+    /// A plateau of r(t) is a block when r stays the same for this long (s) ...
+    pub block_hold: f64,
+    /// ... and the block is at least this long (m).
+    pub block_length: f64,
+}
+
+/// The four sides of the grid.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Boundary {
+    pub left: Side,
+    pub right: Side,
+    pub base: Side,
+    pub top: Side,
+}
+
+/// Support along one side of the grid. The tag is the key `kind`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Side {
+    /// Nothing: a point that reaches the side ends the run with a clear fault.
+    Free,
+    /// No motion across the side, free motion along it.
+    Roller,
+    /// No motion.
+    Fixed,
+    /// Coulomb friction at the nodes, |f_t| <= coefficient x f_n; with `separation` the soil
+    /// may lift off, without it the side holds the soil in tension too.
+    Friction { coefficient: f64, separation: bool },
+}
+
+/// A soil. The tag is the key `law`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "law", rename_all = "snake_case")]
+pub enum Material {
+    /// Isotropic linear elasticity (Hencky's in finite strain).
+    Elastic {
+        #[serde(flatten)]
+        elastic: Elastic,
+    },
+    /// Von Mises with linear cohesion softening (eq. 4 of the paper).
+    VonMises {
+        #[serde(flatten)]
+        elastic: Elastic,
+        #[serde(flatten)]
+        strength: Strength,
+    },
+}
+
+impl Material {
+    /// Weight and stiffness, which every law has.
+    pub fn elastic(&self) -> &Elastic {
+        match self {
+            Material::Elastic { elastic } | Material::VonMises { elastic, .. } => elastic,
+        }
+    }
+}
+
+/// Weight and stiffness.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Elastic {
+    /// Unit weight (kN/m3). The file may give `density` (t/m3) instead.
+    pub unit_weight: f64,
+    /// E (kPa).
+    pub young_modulus: f64,
+    /// nu.
+    pub poisson_ratio: f64,
+}
+
+/// Strength of a von Mises soil.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Strength {
+    /// Peak cohesion c0 (kPa).
+    pub cohesion: f64,
+    /// Residual cohesion c_r (kPa).
+    pub residual_cohesion: f64,
+    /// H (kPa), slope of cohesion over plastic strain; negative softens, 0 is perfectly plastic.
+    pub softening_modulus: f64,
+    /// k in q <= k c. sqrt(3): then c is the plane-strain shear strength.
+    pub yield_constant: f64,
+    pub strength_measure: StrengthMeasure,
+}
+
+/// The stress that the strength is compared with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StrengthMeasure {
+    /// q(sigma) <= k c.
+    Cauchy,
+    /// q(tau) <= k c, with tau = J sigma.
+    Kirchhoff,
+}
+
+/// A part of the soil.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Region {
+    pub name: String,
+    /// Key of its material.
+    pub material: String,
+    #[serde(flatten)]
+    pub shape: RegionShape,
+    /// Initial velocity (m/s).
+    pub velocity: [f64; 2],
+    /// Initial rotation about a centre, added to `velocity`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spin: Option<Spin>,
+    /// Initial standing wave, added to `velocity`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wave: Option<Wave>,
+}
+
+/// Outline of a region: the key `polygon` or the key `circle`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RegionShape {
+    /// Corners in order, either way round (m).
+    Polygon(Vec<[f64; 2]>),
+    Circle { center: [f64; 2], radius: f64 },
+}
+
+/// v = rate x (x - center) turned by 90 degrees, counter-clockwise positive.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Spin {
+    /// rad/s.
+    pub rate: f64,
+    pub center: [f64; 2],
+}
+
+/// v = amplitude sin(wave_number . x).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Wave {
+    /// m/s.
+    pub amplitude: [f64; 2],
+    /// rad/m.
+    pub wave_number: [f64; 2],
+}

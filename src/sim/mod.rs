@@ -1,0 +1,3 @@
+//! Body and integrator behind one virtual call a step.
+
+pub mod snapshot;

@@ -1,0 +1,36 @@
+//! The counters of a run: what was done, independent of any clock.
+
+use serde::{Deserialize, Serialize};
+
+/// Exact counters of the work a run has done. They are deterministic and go to `record.json`.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Work {
+    /// Material points in the body.
+    pub points: u64,
+    /// Grid cells that held at least one point at the start.
+    pub cells: u64,
+    /// Accepted time steps.
+    pub steps: u64,
+    /// Steps that were refused and left the body untouched.
+    pub rejected_steps: u64,
+    /// Material points moved, summed over the accepted steps.
+    pub particle_steps: u64,
+    /// Newton iterations (implicit scheme; 0 in the explicit scheme).
+    pub newton_iterations: u64,
+    /// Numeric factorisations of a sparse matrix.
+    pub factorisations: u64,
+    /// Symbolic factorisations of a sparse matrix.
+    pub symbolic_factorisations: u64,
+    /// Linear solves that needed a fallback.
+    pub fallback_solves: u64,
+    /// Blocks of points sent through the constitutive law.
+    pub law_blocks: u64,
+    /// Calls of a nodal effect, summed over effects and passes.
+    pub effect_calls: u64,
+    /// Times the points were put back in cell order.
+    pub sorts: u64,
+    /// Largest number of active nodes in any step.
+    pub max_active_nodes: u64,
+    /// Times the nodal arrays grew, i.e. the active nodes passed their high-water mark.
+    pub node_growths: u64,
+}
