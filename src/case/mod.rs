@@ -3,3 +3,10 @@
 mod types;
 
 pub use types::*;
+
+impl Case {
+    /// Placeholder until the reader lands.
+    pub fn memory_estimate_bytes(&self) -> u64 {
+        0
+    }
+}

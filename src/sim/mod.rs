@@ -1,3 +1,161 @@
 //! Body and integrator behind one virtual call a step.
 
-pub mod snapshot;
+
+
+use crate::{
+    block::Law,
+    body::Body,
+    fault::Fault,
+    step::{Books, Integrator, control::Control},
+    work::Work,
+};
+use crate::snapshot::Snapshot;
+
+/// An elastic in-situ phase: at its end displacements and velocities are set to zero and the
+/// laws of the scene take the place of the elastic ones.
+pub struct InSitu {
+    /// End of the phase (s).
+    pub until: f64,
+    /// The laws that take over, one a group.
+    pub laws: Vec<Box<dyn Law>>,
+}
+
+/// Where the energy of a body is, per metre of thickness (kJ/m).
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Energies {
+    /// Of the points.
+    pub kinetic: f64,
+    /// Of the nodes after the last step.
+    pub nodal_kinetic: f64,
+    /// Elastic.
+    pub strain: f64,
+    /// Work of gravity since the start, plus the energy at the start.
+    pub external: f64,
+    /// Plastic work, friction and damping together.
+    pub dissipated: f64,
+    pub plastic: f64,
+    pub friction: f64,
+    pub damping: f64,
+    /// What the other terms leave over: external - kinetic - strain - dissipated. It is the
+    /// energy that the scheme itself loses or makes (PIC, FLIP noise, impacts on supports).
+    pub numerical: f64,
+}
+
+/// A body that moves.
+pub struct Simulation {
+    pub body: Body,
+    integrator: Box<dyn Integrator>,
+    control: Control,
+    in_situ: Option<InSitu>,
+    /// Simulated time (s).
+    pub time: f64,
+    /// Length of the last step (s).
+    pub dt: f64,
+    pub work: Work,
+    initial_energy: f64,
+    initial_momentum: [f64; 2],
+    /// Mass at the start (t/m).
+    pub initial_mass: f64,
+}
+
+impl Simulation {
+    /// A simulation at time 0.
+    pub fn new(body: Body, integrator: Box<dyn Integrator>, control: Control, in_situ: Option<InSitu>) -> Self {
+        let mut s = Simulation {
+            integrator,
+            control,
+            in_situ,
+            time: 0.0,
+            dt: 0.0,
+            work: Work { points: body.len() as u64, ..Work::default() },
+            initial_energy: 0.0,
+            initial_momentum: body.momentum(),
+            initial_mass: body.total_mass(),
+            body,
+        };
+        s.initial_energy = s.body.kinetic_energy() + s.body.strain_energy();
+        s
+    }
+
+    /// One accepted step, of at most `limit` (s).
+    pub fn step(&mut self, limit: f64) -> Result<(), Fault> {
+        let Simulation { body, integrator, control, time, work, .. } = self;
+        self.dt = control.advance(integrator.as_mut(), body, *time, limit, work)?;
+        self.time += self.dt;
+        self.finish_in_situ();
+        Ok(())
+    }
+
+    fn finish_in_situ(&mut self) {
+        if self.in_situ.as_ref().is_none_or(|p| self.time < p.until) {
+            return;
+        }
+        if let Some(phase) = self.in_situ.take() {
+            let lost = self.body.kinetic_energy();
+            let momentum = self.body.momentum();
+            for (group, law) in self.body.groups.iter_mut().zip(phase.laws) {
+                group.law = law;
+            }
+            self.body.restart_from_here();
+            self.initial_energy -= lost;
+            self.initial_momentum = [0, 1].map(|a| self.initial_momentum[a] - momentum[a]);
+        }
+    }
+
+    /// Whether the in-situ phase is still under way.
+    pub fn settling(&self) -> bool {
+        self.in_situ.is_some()
+    }
+
+    /// The state of the points.
+    pub fn snapshot(&self) -> Snapshot {
+        self.body.snapshot(self.time, self.work.steps)
+    }
+
+    /// The stable time step (s), if the integrator has one.
+    pub fn stable_dt(&mut self) -> Option<f64> {
+        self.integrator.stable_dt(&self.body)
+    }
+
+    /// The integrator's books.
+    pub fn books(&self) -> Books {
+        self.integrator.books()
+    }
+
+    /// All energies, and the balance between them.
+    pub fn energies(&self) -> Energies {
+        let books = self.integrator.books();
+        let (kinetic, strain) = (self.body.kinetic_energy(), self.body.strain_energy());
+        let external = books.effects.external + self.initial_energy;
+        let dissipated = books.plastic + books.effects.dissipated;
+        Energies {
+            kinetic,
+            nodal_kinetic: self.integrator.nodal_kinetic_energy(),
+            strain,
+            external,
+            dissipated,
+            plastic: books.plastic,
+            friction: books.friction,
+            damping: books.damping,
+            numerical: external - kinetic - strain - dissipated,
+        }
+    }
+
+    /// |P - P0 - impulses of gravity, supports and damping| over total weight (at 9.81 m/s2)
+    /// times elapsed time; each axis apart.
+    pub fn momentum_error(&self) -> [f64; 2] {
+        let (p, books) = (self.body.momentum(), self.integrator.books());
+        let scale = (self.initial_mass * 9.81 * self.time).max(f64::MIN_POSITIVE);
+        [0, 1].map(|a| (p[a] - self.initial_momentum[a] - books.effects.impulse[a]).abs() / scale)
+    }
+
+    /// Relative change of the total mass since the start.
+    pub fn mass_error(&self) -> f64 {
+        (self.body.total_mass() - self.initial_mass).abs() / self.initial_mass
+    }
+
+    /// Bytes held by grid, nodes and points.
+    pub fn bytes(&self) -> usize {
+        self.integrator.bytes() + (self.body.bytes_per_point() * self.body.len() as f64) as usize
+    }
+}

@@ -1,0 +1,277 @@
+//! The loop over blocks: fill, gather, law, scatter.
+//!
+//! Each pass walks the points block by block. The stages of a pass meet only in buffers that
+//! stay in the first-level cache ([`Scratch`]); a pass is instantiated once per shape function,
+//! and the law sits behind one virtual call a block.
+
+use std::ops::Range;
+
+use crate::{
+    block::Block,
+    body::{Body, Group, chunks, load, load_state, load_varying, set_uniform, store},
+    fault::Fault,
+    math::simd::Kernel,
+    nodes::Nodes,
+    space::{
+        Shape, Stencil,
+        stencil::{LANES, Lane},
+    },
+};
+
+/// Buffers of the stages, for shapes with `N` nodes a point.
+#[derive(Default)]
+pub struct Scratch<const N: usize> {
+    pub block: Block,
+    pub stencil: Stencil<N>,
+    pub x: Columns2,
+    pub v: Columns2,
+    pub mass: Lanes,
+    pub volume: Lanes,
+    /// Nodal values spread to the points: component, node of the patch, point.
+    pub nodal: [Patch<N>; 4],
+    /// Contributions of the points: component, node of the patch, point.
+    pub shares: [Patch<N>; 5],
+}
+
+/// One lane, aligned.
+#[repr(align(64))]
+pub struct Lanes(pub Lane);
+
+/// Two lanes, aligned.
+#[repr(align(64))]
+pub struct Columns2(pub [Lane; 2]);
+
+/// One lane for each node of a patch, aligned.
+#[repr(align(64))]
+pub struct Patch<const N: usize>(pub [Lane; N]);
+
+impl Default for Lanes {
+    fn default() -> Self {
+        Lanes([0.0; LANES])
+    }
+}
+
+impl Default for Columns2 {
+    fn default() -> Self {
+        Columns2([[0.0; LANES]; 2])
+    }
+}
+
+impl<const N: usize> Default for Patch<N> {
+    fn default() -> Self {
+        Patch([[0.0; LANES]; N])
+    }
+}
+
+/// Loads the committed positions of a block and fills its stencil.
+#[inline(always)]
+pub fn place<S: Shape<N>, const N: usize>(s: &mut Scratch<N>, body: &Body, nodes: &Nodes, range: &Range<usize>) {
+    for axis in 0..2 {
+        load(&mut s.x.0[axis], &body.committed.x[axis], range);
+    }
+    S::fill(&nodes.grid, &s.x.0[0], &s.x.0[1], &mut s.stencil);
+    s.stencil.find_runs(range.len());
+}
+
+/// Spreads nodal columns to the points of the block.
+#[inline(always)]
+pub fn spread<const N: usize, const C: usize>(
+    stencil: &Stencil<N>,
+    nodal: &mut [Patch<N>; 4],
+    nodes: &Nodes,
+    offsets: &[u32; N],
+    columns: [&[f64]; C],
+) {
+    for run in stencil.runs() {
+        let slots = nodes.find(run.base, offsets);
+        for (c, column) in columns.iter().enumerate() {
+            let values: [f64; N] = std::array::from_fn(|k| column[slots[k]]);
+            for i in run.start as usize..(run.end as usize).min(LANES) {
+                for k in 0..N {
+                    nodal[c].0[k][i] = values[k];
+                }
+            }
+        }
+    }
+}
+
+/// Adds the shares of the points of each run to the columns of its nodes.
+#[inline(always)]
+pub fn collect<const N: usize>(share: &Patch<N>, start: u32, end: u32) -> [f64; N] {
+    let mut sum = [0.0; N];
+    for i in start as usize..(end as usize).min(LANES) {
+        for k in 0..N {
+            sum[k] += share.0[k][i];
+        }
+    }
+    sum
+}
+
+#[inline(always)]
+pub fn deposit<const N: usize>(column: &mut [f64], slots: &[usize; N], values: [f64; N]) {
+    for k in 0..N {
+        column[slots[k]] += values[k];
+    }
+}
+
+/// Mass, momentum and internal force of the committed body, onto nodes that become active:
+/// ```text
+/// m_i = sum N_i m_p,   (m v)_i = sum N_i m_p v_p,   f_i = - sum sigma_p grad N_i J_p V0_p
+/// ```
+pub struct Scatter<'a, S, const N: usize> {
+    pub scratch: &'a mut Scratch<N>,
+    pub body: &'a Body,
+    pub nodes: &'a mut Nodes,
+    /// Runs of points with equal nodes, counted: the measure of how well the points are sorted.
+    pub runs: &'a mut u64,
+    pub shape: S,
+}
+
+impl<S: Shape<N>, const N: usize> Kernel for Scatter<'_, S, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Scatter { scratch: s, body, nodes, runs, .. } = self;
+        let offsets = S::offsets(nodes.grid.row());
+        for group in &body.groups {
+            set_uniform(&mut s.block, group);
+            for range in chunks(group.range.clone()) {
+                place::<S, N>(s, body, nodes, &range);
+                load_state(&mut s.block, group, &body.committed, &range);
+                group.law.stress(&mut s.block);
+                load_motion(s, body, &range);
+                shares(s);
+                *runs += s.stencil.runs().len() as u64;
+                for r in 0..s.stencil.runs().len() {
+                    let run = s.stencil.runs()[r];
+                    let slots = nodes.patch(run.base, &offsets);
+                    let [m, px, py, fx, fy] = std::array::from_fn(|c| collect(&s.shares[c], run.start, run.end));
+                    deposit(&mut nodes.mass, &slots, m);
+                    deposit(&mut nodes.momentum[0], &slots, px);
+                    deposit(&mut nodes.momentum[1], &slots, py);
+                    deposit(&mut nodes.force[0], &slots, fx);
+                    deposit(&mut nodes.force[1], &slots, fy);
+                }
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn load_motion<const N: usize>(s: &mut Scratch<N>, body: &Body, range: &Range<usize>) {
+    for axis in 0..2 {
+        load(&mut s.v.0[axis], &body.committed.v[axis], range);
+    }
+    load(&mut s.mass.0, &body.mass, range);
+    load(&mut s.volume.0, &body.volume, range);
+}
+
+/// What each point gives to each of its nodes.
+#[inline(always)]
+fn shares<const N: usize>(s: &mut Scratch<N>) {
+    let [m, px, py, fx, fy] = &mut s.shares;
+    let b = &s.block;
+    for i in 0..LANES {
+        let volume = -(s.volume.0[i] * b.jacobian[i]);
+        let (sxx, syy, sxy) = (volume * b.stress[0][i], volume * b.stress[1][i], volume * b.stress[3][i]);
+        let mass = s.mass.0[i];
+        let (mvx, mvy) = (mass * s.v.0[0][i], mass * s.v.0[1][i]);
+        for k in 0..N {
+            let (w, gx, gy) = (s.stencil.weight[k][i], s.stencil.grad[0][k][i], s.stencil.grad[1][k][i]);
+            m.0[k][i] = w * mass;
+            px.0[k][i] = w * mvx;
+            py.0[k][i] = w * mvy;
+            fx.0[k][i] = sxx * gx + sxy * gy;
+            fy.0[k][i] = sxy * gx + syy * gy;
+        }
+    }
+}
+
+/// Strains the body with the nodes' strain velocity over `dt` and applies the laws; trial
+/// strain, J and history are written, and the plastic work of the step (kJ/m) is returned.
+pub struct Strain<'a, S, const N: usize> {
+    pub scratch: &'a mut Scratch<N>,
+    pub body: &'a mut Body,
+    pub nodes: &'a Nodes,
+    pub dt: f64,
+    pub shape: S,
+}
+
+impl<S: Shape<N>, const N: usize> Kernel for Strain<'_, S, N> {
+    type Output = Result<f64, Fault>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let Strain { scratch: s, body, nodes, dt, .. } = self;
+        let offsets = S::offsets(nodes.grid.row());
+        let [vx, vy] = &nodes.strain_velocity;
+        let mut plastic_work = 0.0;
+        for g in 0..body.groups.len() {
+            set_uniform(&mut s.block, &body.groups[g]);
+            for range in chunks(body.groups[g].range.clone()) {
+                place::<S, N>(s, body, nodes, &range);
+                spread(&s.stencil, &mut s.nodal, nodes, &offsets, [vx, vy]);
+                gradient(s, dt);
+                load_point_state(&mut s.block, &body.groups[g], body, &range);
+                if let Err(fault) = body.groups[g].law.update(&mut s.block) {
+                    return Err(body.blame(fault, range.start));
+                }
+                store_point_state(&s.block, body, &range);
+                load(&mut s.volume.0, &body.volume, &range);
+                plastic_work += dot(&s.block.dissipation, &s.volume.0, range.len());
+            }
+        }
+        Ok(plastic_work)
+    }
+}
+
+/// grad du = dt sum v_i (x) grad N_i.
+#[inline(always)]
+fn gradient<const N: usize>(s: &mut Scratch<N>, dt: f64) {
+    let [vx, vy, ..] = &s.nodal;
+    for i in 0..LANES {
+        let mut du = [0.0; 4];
+        for k in 0..N {
+            let (gx, gy) = (s.stencil.grad[0][k][i], s.stencil.grad[1][k][i]);
+            du[0] += vx.0[k][i] * gx;
+            du[1] += vx.0[k][i] * gy;
+            du[2] += vy.0[k][i] * gx;
+            du[3] += vy.0[k][i] * gy;
+        }
+        for c in 0..4 {
+            s.block.du[c][i] = dt * du[c];
+        }
+    }
+}
+
+#[inline(always)]
+fn load_point_state(block: &mut Block, group: &Group, body: &Body, range: &Range<usize>) {
+    load_state(block, group, &body.committed, range);
+    for (lane, column) in block.state.iter_mut().zip(&body.committed.history) {
+        load(lane, column, range);
+    }
+    load_varying(block, group, range);
+}
+
+#[inline(always)]
+fn store_point_state(block: &Block, body: &mut Body, range: &Range<usize>) {
+    for (lane, column) in block.strain.iter().zip(&mut body.trial.strain) {
+        store(lane, column, range);
+    }
+    store(&block.jacobian, &mut body.trial.jacobian, range);
+    for (lane, column) in block.state.iter().zip(&mut body.trial.history) {
+        store(lane, column, range);
+    }
+}
+
+/// Sum of a_i b_i over the first `len` lanes, in four running sums: a fixed order.
+#[inline(always)]
+fn dot(a: &Lane, b: &Lane, len: usize) -> f64 {
+    let mut sums = [0.0; 4];
+    for i in 0..LANES {
+        let term = if i < len { a[i] * b[i] } else { 0.0 };
+        sums[i % 4] += term;
+    }
+    (sums[0] + sums[1]) + (sums[2] + sums[3])
+}

@@ -1,0 +1,287 @@
+//! A block of points in the hot stages, and the law over a block: material x kinematics.
+
+use crate::{
+    fault::{Fault, FaultKind},
+    kinematics::{Kinematics, StrengthMeasure, Trial},
+    material::{Columns, Material, Standing},
+    math::{
+        simd::{FpPath, Kernel},
+        tensor::{Gradient, Voigt},
+    },
+    space::stencil::{LANES, Lane},
+};
+
+/// Most parameter columns of any law.
+pub const MAX_PARAMS: usize = 8;
+/// Most history columns of any law.
+pub const MAX_STATES: usize = 2;
+
+/// What the law reads and writes for the points of one block. Lanes past `len` hold harmless
+/// numbers, so that the loops always run over all lanes.
+#[repr(align(64))]
+pub struct Block {
+    /// Points in use.
+    pub len: usize,
+    /// Displacement gradient of the step: xx, xy, yx, yy.
+    pub du: [Lane; 4],
+    /// Elastic strain: committed in, trial out.
+    pub strain: [Lane; 4],
+    /// J: committed in, trial out.
+    pub jacobian: Lane,
+    /// Cauchy stress (kPa), out.
+    pub stress: [Lane; 4],
+    /// Parameters.
+    pub param: [Lane; MAX_PARAMS],
+    /// History: committed in, trial out.
+    pub state: [Lane; MAX_STATES],
+    /// Plastic work of the step per initial volume (kPa), out.
+    pub dissipation: Lane,
+    /// 1 where the fast kinematics held and the result is sound, else 0.
+    sound: Lane,
+}
+
+impl Default for Block {
+    fn default() -> Self {
+        Block {
+            len: 0,
+            du: [[0.0; LANES]; 4],
+            strain: [[0.0; LANES]; 4],
+            jacobian: [1.0; LANES],
+            stress: [[0.0; LANES]; 4],
+            param: [[1.0; LANES]; MAX_PARAMS],
+            state: [[0.0; LANES]; MAX_STATES],
+            dissipation: [0.0; LANES],
+            sound: [0.0; LANES],
+        }
+    }
+}
+
+impl Block {
+    #[inline(always)]
+    fn du(&self, i: usize) -> Gradient {
+        Gradient { xx: self.du[0][i], xy: self.du[1][i], yx: self.du[2][i], yy: self.du[3][i] }
+    }
+
+    #[inline(always)]
+    fn strain(&self, i: usize) -> Voigt {
+        Voigt::new(self.strain[0][i], self.strain[1][i], self.strain[2][i], self.strain[3][i])
+    }
+
+    #[inline(always)]
+    fn set_strain(&mut self, i: usize, e: Voigt) {
+        for (column, value) in self.strain.iter_mut().zip(e.to_array()) {
+            column[i] = value;
+        }
+    }
+
+    #[inline(always)]
+    fn set_stress(&mut self, i: usize, s: Voigt) {
+        for (column, value) in self.stress.iter_mut().zip(s.to_array()) {
+            column[i] = value;
+        }
+    }
+}
+
+/// The law of one material over a block. Made once, from any material and kinematics; the body
+/// makes one virtual call per block.
+pub trait Law: Send + Sync {
+    /// Names of the parameter columns.
+    fn params(&self) -> &'static [&'static str];
+
+    /// Names of the history columns.
+    fn states(&self) -> &'static [&'static str];
+
+    /// Trial strain, return mapping, Cauchy stress. A fault names the lane in `point`.
+    fn update(&self, block: &mut Block) -> Result<(), Fault>;
+
+    /// Cauchy stress of the strain in the block.
+    fn stress(&self, block: &mut Block);
+
+    /// Speed of the compression wave (m/s) of lane `i` for a density (t/m3).
+    fn wave_speed(&self, block: &Block, i: usize, density: f64) -> f64;
+
+    /// Where lane `i` stands.
+    fn standing(&self, block: &Block, i: usize) -> Standing;
+
+    /// Elastic energy of lane `i` per initial volume (kPa).
+    fn strain_energy(&self, block: &Block, i: usize) -> f64;
+
+    /// Elastic strain of lane `i` that belongs to a Cauchy stress at its J.
+    fn strain_of(&self, block: &Block, i: usize, cauchy: Voigt) -> Voigt;
+}
+
+/// Any material with any kinematics.
+#[derive(Clone, Copy, Debug)]
+pub struct PointLaw<M, K> {
+    material: M,
+    kinematics: std::marker::PhantomData<K>,
+    measure: StrengthMeasure,
+    path: FpPath,
+}
+
+impl<M: Material, K: Kinematics> PointLaw<M, K> {
+    /// The law on the best instruction path of this processor.
+    pub fn new(material: M, measure: StrengthMeasure) -> Self {
+        PointLaw { material, kinematics: std::marker::PhantomData, measure, path: FpPath::best() }
+    }
+
+    #[inline(always)]
+    fn param(block: &Block, i: usize) -> M::Param {
+        M::Param::read(|k| block.param[k][i])
+    }
+
+    #[inline(always)]
+    fn state(block: &Block, i: usize) -> M::State {
+        M::State::read(|k| block.state[k][i])
+    }
+
+    /// One point: trial, return, stress, all into the block.
+    #[inline(always)]
+    fn point(&self, b: &mut Block, i: usize, trial: Trial) {
+        let j = b.jacobian[i] * trial.jacobian;
+        let (p, s) = (Self::param(b, i), Self::state(b, i));
+        let u = self.material.update(&p, &s, trial.strain, K::strength_factor(self.measure, j));
+        let cauchy = u.stress * K::cauchy_factor(j);
+        let sum = cauchy.xx + cauchy.yy + cauchy.zz + cauchy.xy;
+        let sound = trial.inside & (trial.jacobian > 0.0) & (sum.abs() < f64::MAX);
+        b.sound[i] = if sound { 1.0 } else { 0.0 };
+        b.set_stress(i, cauchy);
+        b.set_strain(i, u.strain);
+        b.dissipation[i] = u.dissipation * K::energy_volume(j);
+        u.state.write(|k, v| b.state[k][i] = v);
+        b.jacobian[i] = j;
+    }
+
+    /// A lane that the fast path refused: computed from its committed values by the library
+    /// functions, or a fault.
+    #[cold]
+    fn mend(&self, b: &mut Block, i: usize, committed: &Committed) -> Result<(), Fault> {
+        committed.restore(b);
+        let (e, du) = (b.strain(i), b.du(i));
+        let trial = K::trial_exact(e, du);
+        if trial.jacobian <= 0.0 {
+            return Err(Fault::new(FaultKind::Inverted).with("det_f", trial.jacobian).at(i as u32, [f64::NAN; 2]));
+        }
+        self.point(b, i, trial);
+        if b.sound[i] > 0.0 {
+            return Ok(());
+        }
+        let fault = Fault::new(FaultKind::NonFinite)
+            .with("det_f", trial.jacobian)
+            .with("du_xx", du.xx)
+            .with("du_yy", du.yy)
+            .with("sigma_xx", b.stress[0][i])
+            .with("sigma_yy", b.stress[1][i]);
+        Err(fault.at(i as u32, [f64::NAN; 2]))
+    }
+}
+
+/// Committed values of one lane, kept for the lanes that have to be done again.
+struct Committed {
+    lane: usize,
+    strain: [f64; 4],
+    state: [f64; MAX_STATES],
+    jacobian: f64,
+}
+
+impl Committed {
+    fn restore(&self, b: &mut Block) {
+        let i = self.lane;
+        b.set_strain(i, Voigt::from_array(self.strain));
+        for (column, value) in b.state.iter_mut().zip(self.state) {
+            column[i] = value;
+        }
+        b.jacobian[i] = self.jacobian;
+    }
+}
+
+struct UpdateKernel<'a, M, K> {
+    law: &'a PointLaw<M, K>,
+    block: &'a mut Block,
+}
+
+impl<M: Material, K: Kinematics> Kernel for UpdateKernel<'_, M, K> {
+    type Output = Result<(), Fault>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let (law, b) = (self.law, self.block);
+        let before = (b.strain, b.state, b.jacobian);
+        for i in 0..LANES {
+            let trial = K::trial(b.strain(i), b.du(i));
+            law.point(b, i, trial);
+        }
+        let sound: f64 = b.sound[..b.len].iter().fold(1.0, |a, &v| if v < a { v } else { a });
+        if sound > 0.0 {
+            return Ok(());
+        }
+        for i in 0..b.len {
+            if b.sound[i] == 0.0 {
+                let committed = Committed {
+                    lane: i,
+                    strain: before.0.map(|c| c[i]),
+                    state: before.1.map(|c| c[i]),
+                    jacobian: before.2[i],
+                };
+                law.mend(b, i, &committed)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+struct StressKernel<'a, M, K> {
+    law: &'a PointLaw<M, K>,
+    block: &'a mut Block,
+}
+
+impl<M: Material, K: Kinematics> Kernel for StressKernel<'_, M, K> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let b = self.block;
+        for i in 0..LANES {
+            let p = PointLaw::<M, K>::param(b, i);
+            let s = self.law.material.stress(&p, b.strain(i)) * K::cauchy_factor(b.jacobian[i]);
+            b.set_stress(i, s);
+        }
+    }
+}
+
+impl<M: Material, K: Kinematics> Law for PointLaw<M, K> {
+    fn params(&self) -> &'static [&'static str] {
+        M::Param::NAMES
+    }
+
+    fn states(&self) -> &'static [&'static str] {
+        M::State::NAMES
+    }
+
+    fn update(&self, block: &mut Block) -> Result<(), Fault> {
+        self.path.run(UpdateKernel { law: self, block })
+    }
+
+    fn stress(&self, block: &mut Block) {
+        self.path.run(StressKernel { law: self, block });
+    }
+
+    fn wave_speed(&self, b: &Block, i: usize, density: f64) -> f64 {
+        self.material.wave_speed(&Self::param(b, i), density)
+    }
+
+    fn standing(&self, b: &Block, i: usize) -> Standing {
+        let factor = K::strength_factor(self.measure, b.jacobian[i]);
+        self.material.standing(&Self::param(b, i), &Self::state(b, i), b.strain(i), factor)
+    }
+
+    fn strain_energy(&self, b: &Block, i: usize) -> f64 {
+        let e = b.strain(i);
+        0.5 * self.material.stress(&Self::param(b, i), e).dot(e) * K::energy_volume(b.jacobian[i])
+    }
+
+    fn strain_of(&self, b: &Block, i: usize, cauchy: Voigt) -> Voigt {
+        let elasticity = crate::material::Elasticity::read(|k| b.param[k][i]);
+        elasticity.strain(cauchy * (1.0 / K::cauchy_factor(b.jacobian[i])))
+    }
+}

@@ -1,0 +1,417 @@
+//! The material points: columns in cell order, one stretch per material.
+//!
+//! Committed and trial state are two things: a step reads the committed columns and writes the
+//! trial columns, and [`Body::commit`] exchanges them. A step that fails leaves nothing behind.
+
+use std::ops::Range;
+
+use crate::{
+    block::{Block, Law},
+    fault::Fault,
+    math::tensor::Voigt,
+    snapshot::{Snapshot, Stage},
+    space::{
+        Grid,
+        stencil::{LANES, Lane},
+    },
+};
+
+/// What changes in a step, one entry a point.
+#[derive(Clone, Debug, Default)]
+pub struct State {
+    /// Position (m).
+    pub x: [Vec<f64>; 2],
+    /// Velocity (m/s).
+    pub v: [Vec<f64>; 2],
+    /// Elastic strain: xx, yy, zz, xy.
+    pub strain: [Vec<f64>; 4],
+    /// Current volume over initial volume.
+    pub jacobian: Vec<f64>,
+    /// History columns of the laws.
+    pub history: Vec<Vec<f64>>,
+}
+
+impl State {
+    fn columns(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
+        self.x
+            .iter_mut()
+            .chain(&mut self.v)
+            .chain(&mut self.strain)
+            .chain(std::iter::once(&mut self.jacobian))
+            .chain(&mut self.history)
+    }
+
+    fn with_len(n: usize, histories: usize) -> Self {
+        let mut s = State { history: vec![Vec::new(); histories], ..State::default() };
+        s.columns().for_each(|c| *c = vec![0.0; n]);
+        s.jacobian.fill(1.0);
+        s
+    }
+}
+
+/// A parameter of a law over the points of a group.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Column {
+    /// The same for all points: nothing is stored.
+    Uniform(f64),
+    /// One value a point, in the group's order.
+    Varying(Vec<f64>),
+}
+
+/// The points of one material.
+pub struct Group {
+    /// Its stretch of the body's columns.
+    pub range: Range<usize>,
+    /// Index of the material.
+    pub material: u16,
+    pub law: Box<dyn Law>,
+    /// Parameters in the order of `law.params()`.
+    pub params: Vec<Column>,
+}
+
+/// A point as it is seeded.
+#[derive(Clone, Debug, Default)]
+pub struct Seedling {
+    pub x: [f64; 2],
+    pub v: [f64; 2],
+    pub mass: f64,
+    pub volume: f64,
+    /// Initial Cauchy stress (kPa).
+    pub stress: Voigt,
+}
+
+/// A material with its points, as the body is made.
+pub struct GroupSeed {
+    pub material: u16,
+    pub law: Box<dyn Law>,
+    pub params: Vec<Column>,
+    pub points: Vec<Seedling>,
+}
+
+/// All material points.
+pub struct Body {
+    pub groups: Vec<Group>,
+    /// Identity of each point; the reference columns below are in this order.
+    pub id: Vec<u32>,
+    /// Mass (t/m).
+    pub mass: Vec<f64>,
+    /// Initial volume (m3/m).
+    pub volume: Vec<f64>,
+    pub committed: State,
+    pub trial: State,
+    reference: Vec<[f64; 2]>,
+    keys: Vec<u64>,
+    scratch: Vec<f64>,
+}
+
+impl Body {
+    /// Assembles a body; identities count up in the order given.
+    pub fn new(seeds: Vec<GroupSeed>) -> Self {
+        let n = seeds.iter().map(|s| s.points.len()).sum();
+        let histories = seeds.iter().map(|s| s.law.states().len()).max().unwrap_or(0);
+        let mut body = Body {
+            groups: Vec::with_capacity(seeds.len()),
+            id: (0..n as u32).collect(),
+            mass: Vec::with_capacity(n),
+            volume: Vec::with_capacity(n),
+            committed: State::with_len(n, histories),
+            trial: State::with_len(n, histories),
+            reference: Vec::with_capacity(n),
+            keys: Vec::with_capacity(n),
+            scratch: vec![0.0; n],
+        };
+        for seed in seeds {
+            body.push_group(seed);
+        }
+        body
+    }
+
+    fn push_group(&mut self, seed: GroupSeed) {
+        let start = self.mass.len();
+        for (k, p) in seed.points.iter().enumerate() {
+            self.mass.push(p.mass);
+            self.volume.push(p.volume);
+            self.reference.push(p.x);
+            for axis in 0..2 {
+                self.committed.x[axis][start + k] = p.x[axis];
+                self.committed.v[axis][start + k] = p.v[axis];
+            }
+        }
+        let range = start..self.mass.len();
+        self.groups.push(Group { range, material: seed.material, law: seed.law, params: seed.params });
+        self.set_stress(self.groups.len() - 1, |k| seed.points[k].stress);
+    }
+
+    /// Elastic strain of group `g` from a Cauchy stress for each of its points.
+    fn set_stress(&mut self, g: usize, stress: impl Fn(usize) -> Voigt) {
+        let mut block = Box::<Block>::default();
+        for range in chunks(self.groups[g].range.clone()) {
+            load_law(&mut block, &self.groups[g], &self.committed, range.clone());
+            for (lane, i) in range.enumerate() {
+                let s = stress(i - self.groups[g].range.start);
+                let e = self.groups[g].law.strain_of(&block, lane, s).to_array();
+                for (column, value) in self.committed.strain.iter_mut().zip(e) {
+                    column[i] = value;
+                }
+            }
+        }
+    }
+
+    /// Number of points.
+    pub fn len(&self) -> usize {
+        self.id.len()
+    }
+
+    /// Whether there is no point.
+    pub fn is_empty(&self) -> bool {
+        self.id.is_empty()
+    }
+
+    /// Makes the trial state the committed one.
+    pub fn commit(&mut self) {
+        std::mem::swap(&mut self.committed, &mut self.trial);
+    }
+
+    /// Starts a new phase from here: velocities to zero, displacements counted from now.
+    pub fn restart_from_here(&mut self) {
+        self.committed.v.iter_mut().for_each(|v| v.fill(0.0));
+        for (i, &id) in self.id.iter().enumerate() {
+            self.reference[id as usize] = [self.committed.x[0][i], self.committed.x[1][i]];
+        }
+    }
+
+    /// Sum of m v (kN s/m).
+    pub fn momentum(&self) -> [f64; 2] {
+        [0, 1].map(|a| self.mass.iter().zip(&self.committed.v[a]).map(|(m, v)| m * v).sum())
+    }
+
+    /// Sum of m (t/m).
+    pub fn total_mass(&self) -> f64 {
+        self.mass.iter().sum()
+    }
+
+    /// Sum of 1/2 m v^2 over the points (kJ/m).
+    pub fn kinetic_energy(&self) -> f64 {
+        let [vx, vy] = &self.committed.v;
+        self.mass.iter().zip(vx.iter().zip(vy)).map(|(m, (x, y))| 0.5 * m * (x * x + y * y)).sum()
+    }
+
+    /// Elastic energy (kJ/m).
+    pub fn strain_energy(&self) -> f64 {
+        let mut sum = 0.0;
+        self.for_each(|group, block, lane, i| {
+            sum += self.volume[i] * group.law.strain_energy(block, lane);
+        });
+        sum
+    }
+
+    /// Largest wave speed plus particle speed (m/s), and the largest particle speed.
+    pub fn speeds(&self) -> (f64, f64) {
+        let (mut wave, mut particle) = (0.0f64, 0.0f64);
+        self.for_each(|group, block, lane, i| {
+            let density = self.mass[i] / (self.volume[i] * self.committed.jacobian[i]);
+            wave = wave.max(group.law.wave_speed(block, lane, density));
+            let (x, y) = (self.committed.v[0][i], self.committed.v[1][i]);
+            particle = particle.max(x.hypot(y));
+        });
+        (wave, particle)
+    }
+
+    /// Visits every point with its group, its block, its lane and its index.
+    pub fn for_each(&self, mut visit: impl FnMut(&Group, &Block, usize, usize)) {
+        let mut block = Box::<Block>::default();
+        for group in &self.groups {
+            for range in chunks(group.range.clone()) {
+                load_law(&mut block, group, &self.committed, range.clone());
+                group.law.stress(&mut block);
+                for (lane, i) in range.enumerate() {
+                    visit(group, &block, lane, i);
+                }
+            }
+        }
+    }
+
+    /// Puts the points of each group in the order of their cells. Identities go with them.
+    pub fn sort(&mut self, grid: &Grid) {
+        for g in 0..self.groups.len() {
+            let range = self.groups[g].range.clone();
+            self.keys.clear();
+            let (x, y) = (&self.committed.x[0][range.clone()], &self.committed.x[1][range.clone()]);
+            self.keys.extend(x.iter().zip(y).enumerate().map(|(i, (&x, &y))| cell_key(grid, x, y) << 32 | i as u64));
+            self.keys.sort_unstable();
+            self.apply_order(g);
+        }
+    }
+
+    /// Reorders every column of group `g` by `self.keys`, whose low half is the old place.
+    fn apply_order(&mut self, g: usize) {
+        let range = self.groups[g].range.clone();
+        let Body { groups, keys, scratch, committed, mass, volume, id, .. } = self;
+        let mut reorder = |column: &mut [f64]| {
+            let scratch = &mut scratch[..column.len()];
+            scratch.copy_from_slice(column);
+            for (to, key) in column.iter_mut().zip(keys.iter()) {
+                *to = scratch[(key & 0xFFFF_FFFF) as usize];
+            }
+        };
+        committed.columns().for_each(|c| reorder(&mut c[range.clone()]));
+        reorder(&mut mass[range.clone()]);
+        reorder(&mut volume[range.clone()]);
+        for column in &mut groups[g].params {
+            if let Column::Varying(values) = column {
+                reorder(values);
+            }
+        }
+        let old = &mut scratch[..range.len()];
+        for (to, &from) in old.iter_mut().zip(&id[range.clone()]) {
+            *to = f64::from(from);
+        }
+        for (to, key) in id[range].iter_mut().zip(keys.iter()) {
+            *to = old[(key & 0xFFFF_FFFF) as usize] as u32;
+        }
+    }
+
+    /// The state in the order of the identities.
+    pub fn snapshot(&self, time: f64, step: u64) -> Snapshot {
+        let n = self.len();
+        let mut s = Snapshot {
+            time,
+            step,
+            position: vec![[0.0; 2]; n],
+            reference: self.reference.clone(),
+            velocity: vec![[0.0; 2]; n],
+            mass: vec![0.0; n],
+            initial_volume: vec![0.0; n],
+            jacobian: vec![0.0; n],
+            stress: vec![Voigt::default(); n],
+            plastic_strain: vec![0.0; n],
+            strength: vec![0.0; n],
+            peak_strength: vec![0.0; n],
+            stage: vec![Stage::Elastic; n],
+            material: vec![0; n],
+            strain_energy: vec![0.0; n],
+        };
+        self.for_each(|group, block, lane, i| self.describe(&mut s, group, block, lane, i));
+        s
+    }
+
+    fn describe(&self, s: &mut Snapshot, group: &Group, block: &Block, lane: usize, i: usize) {
+        let k = self.id[i] as usize;
+        let standing = group.law.standing(block, lane);
+        let c = &self.committed;
+        s.position[k] = [c.x[0][i], c.x[1][i]];
+        s.velocity[k] = [c.v[0][i], c.v[1][i]];
+        s.mass[k] = self.mass[i];
+        s.initial_volume[k] = self.volume[i];
+        s.jacobian[k] = c.jacobian[i];
+        s.stress[k] = Voigt::from_array(std::array::from_fn(|a| block.stress[a][lane]));
+        s.plastic_strain[k] = standing.plastic_strain;
+        s.strength[k] = standing.strength;
+        s.peak_strength[k] = standing.peak_strength;
+        s.stage[k] = match (standing.plastic_strain > 0.0, standing.yielding, standing.residual) {
+            (false, ..) => Stage::Elastic,
+            (true, false, _) => Stage::Unloading,
+            (true, true, false) => Stage::Softening,
+            (true, true, true) => Stage::Residual,
+        };
+        s.material[k] = group.material;
+        s.strain_energy[k] = self.volume[i] * group.law.strain_energy(block, lane);
+    }
+
+    /// Bytes held for each point.
+    pub fn bytes_per_point(&self) -> f64 {
+        let varying: usize = self
+            .groups
+            .iter()
+            .flat_map(|g| g.params.iter().map(|c| if let Column::Varying(v) = c { v.len() } else { 0 }))
+            .sum();
+        let state = 9 + self.committed.history.len();
+        let fixed = (2 * state + 3) * 8 + 8 + 4 + 16;
+        fixed as f64 + varying as f64 * 8.0 / self.len().max(1) as f64
+    }
+
+    /// Names the point of lane `lane` of the block that starts at `start`, and its place.
+    pub fn blame(&self, fault: Fault, start: usize) -> Fault {
+        let i = start + fault.point.unwrap_or(0) as usize;
+        fault.at(self.id[i], [self.committed.x[0][i], self.committed.x[1][i]])
+    }
+}
+
+/// Cell of a position, row by row; positions outside go to the last key.
+fn cell_key(grid: &Grid, x: f64, y: f64) -> u64 {
+    let cx = ((x - grid.origin[0]) / grid.h) as u64;
+    let cy = ((y - grid.origin[1]) / grid.h) as u64;
+    (cy * u64::from(grid.cells[0]) + cx).min(u64::from(u32::MAX))
+}
+
+/// A stretch cut into blocks.
+#[inline(always)]
+pub fn chunks(range: Range<usize>) -> impl Iterator<Item = Range<usize>> {
+    let end = range.end;
+    range.step_by(LANES).map(move |a| a..(a + LANES).min(end))
+}
+
+/// Copies a stretch of a column into a lane.
+#[inline(always)]
+pub fn load(lane: &mut Lane, column: &[f64], range: &Range<usize>) {
+    let from = &column[range.start..range.end];
+    if let Ok(full) = <&Lane>::try_from(from) {
+        *lane = *full;
+    } else {
+        lane[..from.len()].copy_from_slice(from);
+    }
+}
+
+/// Copies a lane into a stretch of a column.
+#[inline(always)]
+pub fn store(lane: &Lane, column: &mut [f64], range: &Range<usize>) {
+    let to = &mut column[range.start..range.end];
+    if let Ok(full) = <&mut Lane>::try_from(&mut *to) {
+        *full = *lane;
+    } else {
+        let n = to.len();
+        to.copy_from_slice(&lane[..n]);
+    }
+}
+
+/// Loads what the law reads: strain, J, history, and the parameters that vary. Uniform
+/// parameters are written by [`set_uniform`] once a group.
+#[inline(always)]
+pub fn load_state(block: &mut Block, group: &Group, state: &State, range: &Range<usize>) {
+    block.len = range.len();
+    for (lane, column) in block.strain.iter_mut().zip(&state.strain) {
+        load(lane, column, range);
+    }
+    load(&mut block.jacobian, &state.jacobian, range);
+    load_varying(block, group, range);
+}
+
+/// Loads the parameters that vary over the group.
+#[inline(always)]
+pub fn load_varying(block: &mut Block, group: &Group, range: &Range<usize>) {
+    let local = range.start - group.range.start..range.end - group.range.start;
+    for (lane, column) in block.param.iter_mut().zip(&group.params) {
+        if let Column::Varying(values) = column {
+            load(lane, values, &local);
+        }
+    }
+}
+
+/// Writes the uniform parameters of a group into the block.
+#[inline(always)]
+pub fn set_uniform(block: &mut Block, group: &Group) {
+    for (lane, column) in block.param.iter_mut().zip(&group.params) {
+        if let Column::Uniform(value) = column {
+            lane.fill(*value);
+        }
+    }
+}
+
+/// Everything the law reads, for the cold paths.
+fn load_law(block: &mut Block, group: &Group, state: &State, range: Range<usize>) {
+    set_uniform(block, group);
+    load_state(block, group, state, &range);
+    for (lane, column) in block.state.iter_mut().zip(&state.history) {
+        load(lane, column, &range);
+    }
+}

@@ -1,0 +1,108 @@
+//! Damping of the motion: local (Cundall) and viscous.
+
+use super::{Clock, Effect, Ledger, Stages, Totals};
+use crate::nodes::Nodes;
+
+/// f_i -= a |f_i| sign(v_i) on each component, f_i being the out-of-balance force.
+pub struct LocalDamping {
+    /// a for good.
+    coefficient: f64,
+    /// A larger a while the in-situ state settles, and the time at which that ends (s).
+    settle: Option<(f64, f64)>,
+    ledger: Ledger,
+}
+
+impl LocalDamping {
+    /// `coefficient` throughout, or the larger value in `settle` up to its time.
+    pub fn new(coefficient: f64, settle: Option<(f64, f64)>) -> Self {
+        LocalDamping { coefficient, settle, ledger: Ledger::default() }
+    }
+
+    fn at(&self, time: f64) -> f64 {
+        match self.settle {
+            Some((a, until)) if time < until => a,
+            _ => self.coefficient,
+        }
+    }
+}
+
+impl Effect for LocalDamping {
+    fn name(&self) -> &'static str {
+        "local_damping"
+    }
+
+    fn stages(&self) -> Stages {
+        Stages { force: true, ..Stages::default() }
+    }
+
+    fn force(&mut self, nodes: &mut Nodes, clock: Clock) {
+        let a = self.at(clock.time);
+        if a == 0.0 {
+            return;
+        }
+        let n = nodes.count;
+        for axis in 0..2 {
+            let books = &mut self.ledger.step;
+            for (f, v) in nodes.force[axis][..n].iter_mut().zip(&nodes.old_velocity[axis]) {
+                let drag = if *v == 0.0 { 0.0 } else { -a * f.abs() * v.signum() };
+                *f += drag;
+                books.dissipated -= drag * v * clock.dt;
+                books.impulse[axis] += drag * clock.dt;
+            }
+        }
+    }
+
+    fn ledger(&mut self) -> &mut Ledger {
+        &mut self.ledger
+    }
+
+    fn totals(&self) -> Totals {
+        self.ledger.totals()
+    }
+}
+
+/// f_i -= c m_i v_i.
+pub struct ViscousDamping {
+    /// c (1/s).
+    rate: f64,
+    ledger: Ledger,
+}
+
+impl ViscousDamping {
+    /// `rate` (1/s): the velocity of a free body decays as exp(-rate t).
+    pub fn new(rate: f64) -> Self {
+        ViscousDamping { rate, ledger: Ledger::default() }
+    }
+}
+
+impl Effect for ViscousDamping {
+    fn name(&self) -> &'static str {
+        "viscous_damping"
+    }
+
+    fn stages(&self) -> Stages {
+        Stages { force: true, ..Stages::default() }
+    }
+
+    fn force(&mut self, nodes: &mut Nodes, clock: Clock) {
+        let n = nodes.count;
+        for axis in 0..2 {
+            let books = &mut self.ledger.step;
+            let motion = nodes.mass[..n].iter().zip(&nodes.old_velocity[axis]);
+            for (f, (m, v)) in nodes.force[axis][..n].iter_mut().zip(motion) {
+                let drag = -self.rate * m * v;
+                *f += drag;
+                books.dissipated -= drag * v * clock.dt;
+                books.impulse[axis] += drag * clock.dt;
+            }
+        }
+    }
+
+    fn ledger(&mut self) -> &mut Ledger {
+        &mut self.ledger
+    }
+
+    fn totals(&self) -> Totals {
+        self.ledger.totals()
+    }
+}

@@ -1,0 +1,136 @@
+//! Coulomb friction at the nodes of a side (Bandara & Soga 2015): |f_t| <= mu f_n.
+
+use super::{Clock, Effect, Ledger, Pass, Stages, Totals, velocity_of};
+use crate::{nodes::Nodes, space::grid::Side};
+
+/// Frictional side of the grid.
+pub struct Friction {
+    side: Side,
+    /// mu.
+    coefficient: f64,
+    /// Whether the soil may lift off.
+    separation: bool,
+    /// For each node of the side in this step: free, sliding or sticking.
+    contact: Vec<Contact>,
+    ledger: Ledger,
+}
+
+/// Contact of one node in one step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Contact {
+    Open,
+    Slip,
+    Stick,
+}
+
+/// Velocity after contact, and how the node touches.
+///
+/// In impulses per mass: without contact the node would leave with `normal` (positive off the
+/// side) and `tangential`. The side pushes with p_n = -normal, and rubs with at most mu p_n,
+/// never past rest.
+#[inline]
+pub fn contact_law(normal: f64, tangential: f64, coefficient: f64, separation: bool) -> (f64, f64, Contact) {
+    if normal >= 0.0 && separation {
+        return (normal, tangential, Contact::Open);
+    }
+    let push = (-normal).max(0.0);
+    let rub = coefficient * push;
+    if tangential.abs() <= rub {
+        (0.0, 0.0, Contact::Stick)
+    } else {
+        (0.0, tangential - rub * tangential.signum(), Contact::Slip)
+    }
+}
+
+impl Friction {
+    /// Friction with coefficient mu; with `separation` the soil may lift off.
+    pub fn new(side: Side, coefficient: f64, separation: bool) -> Self {
+        Friction { side, coefficient, separation, contact: Vec::new(), ledger: Ledger::default() }
+    }
+
+    fn update(&mut self, nodes: &mut Nodes, dt: f64) {
+        self.contact.clear();
+        let (n, t, inward) = (self.side.axis(), 1 - self.side.axis(), self.side.inward());
+        for k in 0..nodes.side(self.side).len() {
+            let s = nodes.side(self.side)[k] as usize;
+            let (mass, vn, vt) = (nodes.mass[s], nodes.velocity[n][s], nodes.velocity[t][s]);
+            let (normal, tangential, contact) = contact_law(vn * inward, vt, self.coefficient, self.separation);
+            nodes.velocity[n][s] = normal * inward;
+            nodes.velocity[t][s] = tangential;
+            let rub = mass * (tangential - vt);
+            self.ledger.step.impulse[n] += mass * (normal * inward - vn);
+            self.ledger.step.impulse[t] += rub;
+            // friction force x way along the side; the impulse acts over the step
+            self.ledger.step.dissipated -= rub / dt * (tangential * dt);
+            self.contact.push(contact);
+        }
+    }
+
+    /// The mapped velocity keeps what the contact has decided: no way into the side, and none
+    /// along it where the node sticks. No impulse is booked: this velocity strains, it does not move.
+    fn remap(&self, nodes: &mut Nodes) {
+        let (n, t, inward) = (self.side.axis(), 1 - self.side.axis(), self.side.inward());
+        for (k, contact) in self.contact.iter().enumerate() {
+            let s = nodes.side(self.side)[k] as usize;
+            let v = velocity_of(nodes, Pass::Remap);
+            if v[n][s] * inward < 0.0 || !self.separation {
+                v[n][s] = 0.0;
+            }
+            if *contact == Contact::Stick {
+                v[t][s] = 0.0;
+            }
+        }
+    }
+}
+
+impl Effect for Friction {
+    fn name(&self) -> &'static str {
+        "friction"
+    }
+
+    fn stages(&self) -> Stages {
+        Stages { constrain: true, ..Stages::default() }
+    }
+
+    fn constrain(&mut self, nodes: &mut Nodes, pass: Pass, clock: Clock) {
+        match pass {
+            Pass::Update => self.update(nodes, clock.dt),
+            Pass::Remap => self.remap(nodes),
+        }
+    }
+
+    fn ledger(&mut self) -> &mut Ledger {
+        &mut self.ledger
+    }
+
+    fn totals(&self) -> Totals {
+        self.ledger.totals()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A node pressed on an incline: in one step gravity gives it -g cos dt and g sin dt.
+    #[test]
+    fn sticks_below_and_slips_above_the_friction_angle_to_one_part_in_a_million() {
+        let mu: f64 = 0.4;
+        for (factor, expected) in [(1.0 - 1e-6, Contact::Stick), (1.0 + 1e-6, Contact::Slip)] {
+            let angle = (mu * factor).atan();
+            let (vn, vt, contact) = contact_law(-angle.cos(), angle.sin(), mu, true);
+            assert_eq!(contact, expected);
+            assert_eq!(vn, 0.0);
+            // a = g (sin - mu cos)
+            let expect = if contact == Contact::Slip { angle.sin() - mu * angle.cos() } else { 0.0 };
+            assert!((vt - expect).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn separation_opens_and_a_closed_side_holds() {
+        assert_eq!(contact_law(0.3, 0.2, 0.5, true), (0.3, 0.2, Contact::Open));
+        assert_eq!(contact_law(0.3, 0.2, 0.5, false), (0.0, 0.2, Contact::Slip));
+        assert_eq!(contact_law(-1.0, -0.9, 0.5, true), (0.0, -0.4, Contact::Slip));
+    }
+}

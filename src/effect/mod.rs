@@ -1,0 +1,119 @@
+//! Effects on the nodes. A scene lists the effects it calls for; an absent effect is not in the
+//! list, owns no array and does no work.
+
+pub mod damping;
+pub mod friction;
+pub mod gravity;
+pub mod support;
+
+pub use damping::{LocalDamping, ViscousDamping};
+pub use friction::Friction;
+pub use gravity::{Gravity, Schedule};
+pub use support::Support;
+
+use crate::nodes::Nodes;
+
+/// Where a step stands in time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Clock {
+    /// Time at the start of the step (s).
+    pub time: f64,
+    /// Length of the step (s).
+    pub dt: f64,
+}
+
+/// Which nodal velocity is constrained.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pass {
+    /// The velocity that moves the points.
+    Update,
+    /// The velocity mapped back from the moved points, which strains them (MUSL).
+    Remap,
+}
+
+/// Which stages of a step an effect takes part in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Stages {
+    pub force: bool,
+    pub constrain: bool,
+    pub account: bool,
+}
+
+/// Running totals of what an effect has done to the body, per metre of thickness.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Totals {
+    /// Work done on the body from outside (kJ/m).
+    pub external: f64,
+    /// Energy taken out for good (kJ/m).
+    pub dissipated: f64,
+    /// Impulse on the body (kN s/m).
+    pub impulse: [f64; 2],
+}
+
+impl Totals {
+    /// Adds what one step did.
+    pub fn add(&mut self, step: &Totals) {
+        self.external += step.external;
+        self.dissipated += step.dissipated;
+        self.impulse[0] += step.impulse[0];
+        self.impulse[1] += step.impulse[1];
+    }
+}
+
+/// Totals in two parts: committed steps, and the step under way, which may yet be refused.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Ledger {
+    committed: Totals,
+    /// The step under way.
+    pub step: Totals,
+}
+
+impl Ledger {
+    /// Starts a step; what a refused step left is forgotten.
+    pub fn begin(&mut self) {
+        self.step = Totals::default();
+    }
+
+    /// Accepts the step.
+    pub fn commit(&mut self) {
+        self.committed.add(&self.step);
+        self.step = Totals::default();
+    }
+
+    /// Totals of the accepted steps.
+    pub fn totals(&self) -> Totals {
+        self.committed
+    }
+}
+
+/// One effect. Its stages are asked for once; it is then called only in those.
+pub trait Effect: Send {
+    /// Name in the record.
+    fn name(&self) -> &'static str;
+
+    /// The stages it takes part in.
+    fn stages(&self) -> Stages;
+
+    /// Adds to the nodal forces.
+    fn force(&mut self, _nodes: &mut Nodes, _clock: Clock) {}
+
+    /// Corrects the nodal velocity of a pass.
+    fn constrain(&mut self, _nodes: &mut Nodes, _pass: Pass, _clock: Clock) {}
+
+    /// Reads the final nodal velocity for its energy.
+    fn account(&mut self, _nodes: &Nodes, _clock: Clock) {}
+
+    /// Its books.
+    fn ledger(&mut self) -> &mut Ledger;
+
+    /// Totals of the accepted steps.
+    fn totals(&self) -> Totals;
+}
+
+/// The velocity columns that a pass constrains.
+pub fn velocity_of(nodes: &mut Nodes, pass: Pass) -> &mut [Vec<f64>; 2] {
+    match pass {
+        Pass::Update => &mut nodes.velocity,
+        Pass::Remap => &mut nodes.strain_velocity,
+    }
+}

@@ -1,0 +1,97 @@
+//! Numeric faults: what went wrong in a step, with its numbers.
+
+use std::fmt;
+
+use serde::Serialize;
+
+/// What went wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FaultKind {
+    /// det F of a step is not positive: a point was turned inside out.
+    Inverted,
+    /// A point reached a side of the grid.
+    LeftGrid,
+    /// A stress, velocity or position is not a number.
+    NonFinite,
+    /// The time step fell below what is worth doing.
+    StepTooSmall,
+}
+
+/// A fault in one step. The body is as it was before the step.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Fault {
+    pub kind: FaultKind,
+    /// Step in which it appeared (the first step is 1).
+    pub step: u64,
+    /// Simulated time at the start of that step (s).
+    pub time_s: f64,
+    /// Identity of the material point, if one is to blame.
+    pub point: Option<u32>,
+    /// Grid node, if one is to blame.
+    pub node: Option<u32>,
+    /// Where the point was (m).
+    pub x_m: Option<[f64; 2]>,
+    /// The numbers that gave it away, by name. What is not finite is `null` in the record.
+    pub values: Vec<(String, f64)>,
+}
+
+impl Fault {
+    /// A fault of `kind` with no place yet; the integrator fills the rest in.
+    pub fn new(kind: FaultKind) -> Self {
+        Fault { kind, step: 0, time_s: 0.0, point: None, node: None, x_m: None, values: Vec::new() }
+    }
+
+    /// Adds a named number.
+    pub fn with(mut self, name: &str, value: f64) -> Self {
+        self.values.push((name.to_owned(), value));
+        self
+    }
+
+    /// Names the point and its place.
+    pub fn at(mut self, point: u32, x: [f64; 2]) -> Self {
+        self.point = Some(point);
+        self.x_m = Some(x);
+        self
+    }
+
+    /// Whether a smaller step may cure it.
+    pub fn curable(&self) -> bool {
+        matches!(self.kind, FaultKind::Inverted | FaultKind::NonFinite)
+    }
+
+    /// What the user can do, naming the key of the case file.
+    pub fn advice(&self) -> &'static str {
+        match self.kind {
+            FaultKind::Inverted | FaultKind::NonFinite => {
+                "lower `explicit.courant` (or `explicit.time_step`), or bring the load on more slowly (`gravity.ramp_time`)"
+            }
+            FaultKind::LeftGrid => "enlarge `grid.size`, or put a support on that side (`boundary`)",
+            FaultKind::StepTooSmall => "look at the fault that cut the step, and at the stiffness of the materials",
+        }
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let what = match self.kind {
+            FaultKind::Inverted => "a material point was turned inside out (det F <= 0)",
+            FaultKind::LeftGrid => "a material point left the grid",
+            FaultKind::NonFinite => "a quantity is no longer a finite number",
+            FaultKind::StepTooSmall => "the time step was cut until it was too small to go on",
+        };
+        write!(f, "{what}, in step {} at t = {:.4} s", self.step, self.time_s)?;
+        if let Some(p) = self.point {
+            write!(f, ", point {p}")?;
+        }
+        if let Some(x) = self.x_m {
+            write!(f, " at ({:.3}, {:.3}) m", x[0], x[1])?;
+        }
+        for (name, value) in &self.values {
+            write!(f, ", {name} = {value:.4e}")?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for Fault {}

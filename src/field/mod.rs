@@ -1,0 +1,3 @@
+//! Random fields. So far: the streams of random numbers that fields will draw from.
+
+pub mod stream;

@@ -1,0 +1,144 @@
+//! The active nodes: columns over the nodes that carry mass in this step.
+
+use crate::space::{Grid, grid::Side};
+
+const NONE: u32 = u32::MAX;
+
+/// Fields on the active nodes. Entry `s` of each column belongs to grid node `id[s]`. Columns
+/// are longer than `count` where an earlier step had more nodes; what lies past it is zero.
+pub struct Nodes {
+    pub grid: Grid,
+    /// Active nodes.
+    pub count: usize,
+    /// Grid node of each active node.
+    pub id: Vec<u32>,
+    /// Mass (t/m).
+    pub mass: Vec<f64>,
+    /// Momentum mapped from the points (kN s/m).
+    pub momentum: [Vec<f64>; 2],
+    /// Force (kN/m).
+    pub force: [Vec<f64>; 2],
+    /// Velocity at the start of the step (m/s).
+    pub old_velocity: [Vec<f64>; 2],
+    /// Velocity at its end (m/s): it moves the points.
+    pub velocity: [Vec<f64>; 2],
+    /// Velocity that strains the points (m/s).
+    pub strain_velocity: [Vec<f64>; 2],
+    /// Active nodes on each side of the grid, in the order of [`Side::ALL`].
+    sides: [Vec<u32>; 4],
+    slot: Vec<u32>,
+    growths: u64,
+    high_water: usize,
+}
+
+impl Nodes {
+    /// Nodes of a grid, none active. Takes 4 bytes a grid node.
+    pub fn new(grid: Grid) -> Self {
+        Nodes {
+            grid,
+            count: 0,
+            id: Vec::new(),
+            mass: Vec::new(),
+            momentum: Default::default(),
+            force: Default::default(),
+            old_velocity: Default::default(),
+            velocity: Default::default(),
+            strain_velocity: Default::default(),
+            sides: Default::default(),
+            slot: vec![NONE; grid.nodes()],
+            growths: 0,
+            high_water: 0,
+        }
+    }
+
+    /// Forgets the nodes of the last step.
+    pub fn begin(&mut self) {
+        for &id in &self.id[..self.count] {
+            self.slot[id as usize] = NONE;
+        }
+        let n = self.count;
+        self.mass[..n].fill(0.0);
+        for axis in 0..2 {
+            self.momentum[axis][..n].fill(0.0);
+            self.force[axis][..n].fill(0.0);
+        }
+        self.sides.iter_mut().for_each(Vec::clear);
+        self.count = 0;
+    }
+
+    /// Active numbers of the nodes of a patch; nodes not seen yet in this step become active.
+    #[inline(always)]
+    pub fn patch<const N: usize>(&mut self, base: u32, offsets: &[u32; N]) -> [usize; N] {
+        let mut slots = [0; N];
+        for k in 0..N {
+            let node = base + offsets[k];
+            let s = self.slot[node as usize];
+            slots[k] = if s == NONE { self.activate(node) } else { s as usize };
+        }
+        slots
+    }
+
+    /// As [`Nodes::patch`], for nodes that are active already.
+    #[inline(always)]
+    pub fn find<const N: usize>(&self, base: u32, offsets: &[u32; N]) -> [usize; N] {
+        std::array::from_fn(|k| self.slot[(base + offsets[k]) as usize] as usize)
+    }
+
+    fn activate(&mut self, node: u32) -> usize {
+        let s = self.count;
+        if s == self.id.len() {
+            self.grow();
+        }
+        self.id[s] = node;
+        self.slot[node as usize] = s as u32;
+        self.count += 1;
+        self.high_water = self.high_water.max(self.count);
+        let place = self.grid.node_place(node);
+        if place[0] == 0 || place[1] == 0 || place[0] == self.grid.cells[0] || place[1] == self.grid.cells[1] {
+            self.note_sides(s as u32, place);
+        }
+        s
+    }
+
+    fn note_sides(&mut self, s: u32, place: [u32; 2]) {
+        for (list, side) in self.sides.iter_mut().zip(Side::ALL) {
+            if self.grid.on_side(place, side) {
+                list.push(s);
+            }
+        }
+    }
+
+    /// Room for a quarter more nodes: the active nodes have passed their high-water mark.
+    #[cold]
+    fn grow(&mut self) {
+        let n = (self.id.len() + self.id.len() / 4).max(256);
+        self.id.resize(n, 0);
+        self.mass.resize(n, 0.0);
+        let Nodes { momentum, force, old_velocity, velocity, strain_velocity, .. } = self;
+        for columns in [momentum, force, old_velocity, velocity, strain_velocity] {
+            columns.iter_mut().for_each(|c| c.resize(n, 0.0));
+        }
+        let longest = 2 * (self.grid.cells[0].max(self.grid.cells[1]) as usize + 1);
+        for list in &mut self.sides {
+            list.reserve(n.min(longest).saturating_sub(list.len()));
+        }
+        self.growths += 1;
+    }
+
+    /// Active nodes on a side.
+    pub fn side(&self, side: Side) -> &[u32] {
+        &self.sides[side as usize]
+    }
+
+    /// Sum of 1/2 m v^2 over the nodes at the end of the step (kJ/m).
+    pub fn kinetic_energy(&self) -> f64 {
+        let n = self.count;
+        let [vx, vy] = &self.velocity;
+        self.mass[..n].iter().zip(vx.iter().zip(vy)).map(|(m, (x, y))| 0.5 * m * (x * x + y * y)).sum()
+    }
+
+    /// Times the columns grew, and the largest number of active nodes so far.
+    pub fn growth(&self) -> (u64, usize) {
+        (self.growths, self.high_water)
+    }
+}

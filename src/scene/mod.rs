@@ -1,0 +1,217 @@
+//! From a case to a simulation: every choice is made here, once.
+
+mod effects;
+mod materials;
+mod notes;
+
+pub use notes::{EffectNote, explain};
+
+use std::fmt;
+
+use crate::{
+    block::Law,
+    body::{Body, GroupSeed, Seedling},
+    case::{self, Case},
+    seed::{CutRule, Outline, Seeding, seed},
+    sim::{InSitu, Simulation},
+    space::{Grid, Linear, gauss},
+    step::{
+        control::Control,
+        explicit::{Explicit, Settings, StressUpdate},
+    },
+};
+
+/// A scene that cannot be built, with the key to change.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneError {
+    pub key: String,
+    pub message: String,
+    /// Whether the scene is refused because it is too large.
+    pub too_large: bool,
+}
+
+impl fmt::Display for SceneError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} (key `{}`)", self.message, self.key)
+    }
+}
+
+impl std::error::Error for SceneError {}
+
+fn refuse(key: &str, message: String) -> SceneError {
+    SceneError { key: key.to_owned(), message, too_large: false }
+}
+
+/// A simulation with what was decided about it.
+pub struct Scene {
+    pub simulation: Simulation,
+    pub grid: Grid,
+    /// Every effect, on or off, with the reason.
+    pub effects: Vec<EffectNote>,
+    /// Cells with points at the start, and those cut by an outline.
+    pub cells: u64,
+    pub cut_cells: u64,
+    /// Names of the materials, by index.
+    pub materials: Vec<String>,
+    /// Time from which the run proper counts: the end of an in-situ phase (s).
+    pub start: f64,
+}
+
+/// Builds the scene of a case, unless it would take more than `max_memory` bytes.
+pub fn build(case: &Case, max_memory: u64) -> Result<Scene, SceneError> {
+    let need = case.memory_estimate_bytes();
+    if need > max_memory {
+        return Err(too_large(need, max_memory));
+    }
+    let grid = grid(&case.grid)?;
+    let outlines: Vec<Outline> = case.region.iter().map(|r| outline(&r.shape)).collect();
+    let seeding = seed(&grid, &outlines, &positions(&case.points), cut_rule(case.points.cut_cells));
+    if seeding.points.is_empty() {
+        return Err(refuse("region", "no material point lies inside the regions".to_owned()));
+    }
+    check_inside(&grid, &seeding)?;
+    let body = body(case, &outlines, &seeding)?;
+    let (in_situ, body) = in_situ(case, body);
+    let integrator = Explicit::new(Linear, grid, settings(case), effects::build(case));
+    let mut simulation =
+        Simulation::new(body, Box::new(integrator), Control::new(case.explicit.time_step), in_situ);
+    simulation.work.cells = seeding.cells;
+    Ok(Scene {
+        effects: notes::list(case, &simulation),
+        simulation,
+        grid,
+        cells: seeding.cells,
+        cut_cells: seeding.cut_cells,
+        materials: case.material.keys().cloned().collect(),
+        start: settling_time(case),
+    })
+}
+
+fn too_large(need: u64, cap: u64) -> SceneError {
+    let gib = |b: u64| b as f64 / f64::from(1u32 << 30);
+    SceneError {
+        key: "grid.cell".to_owned(),
+        message: format!(
+            "the case needs about {:.1} GiB but only {:.1} GiB are allowed; use a larger `grid.cell`, a smaller `grid.size`, or raise --max-memory",
+            gib(need), gib(cap)
+        ),
+        too_large: true,
+    }
+}
+
+fn grid(g: &case::Grid) -> Result<Grid, SceneError> {
+    // a width that is a whole number of cells up to rounding is not one cell more
+    let cells = g.size.map(|length| (length / g.cell - 1e-9).ceil().max(1.0));
+    if cells[0] * cells[1] >= 4e9 {
+        return Err(refuse("grid.cell", "the grid has more than 4e9 cells".to_owned()));
+    }
+    Ok(Grid { origin: g.origin, h: g.cell, cells: cells.map(|n| n as u32) })
+}
+
+fn outline(shape: &case::RegionShape) -> Outline {
+    match shape {
+        case::RegionShape::Polygon(corners) => Outline::Polygon(corners.clone()),
+        case::RegionShape::Circle { center, radius } => Outline::Circle { center: *center, radius: *radius },
+    }
+}
+
+fn positions(points: &case::Points) -> Vec<f64> {
+    match points.layout {
+        case::Layout::Gauss => gauss::gauss(points.per_axis),
+        case::Layout::Even => gauss::even(points.per_axis),
+    }
+}
+
+fn cut_rule(rule: case::CutCells) -> CutRule {
+    match rule {
+        case::CutCells::Full => CutRule::Full,
+        case::CutCells::Inside => CutRule::Inside,
+        case::CutCells::Scaled => CutRule::Scaled,
+    }
+}
+
+fn check_inside(grid: &Grid, seeding: &Seeding) -> Result<(), SceneError> {
+    match seeding.points.iter().find(|p| !grid.contains(p.x)) {
+        None => Ok(()),
+        Some(p) => Err(refuse("grid.size", format!("a material point at ({}, {}) m lies outside the grid", p.x[0], p.x[1]))),
+    }
+}
+
+fn settings(case: &Case) -> Settings {
+    let e = &case.explicit;
+    Settings {
+        stress_update: match e.stress_update {
+            case::StressUpdate::Musl => StressUpdate::Musl,
+            case::StressUpdate::Usl => StressUpdate::Usl,
+        },
+        pic_rate: e.pic_rate,
+        courant: e.courant,
+        mass_floor: e.mass_floor,
+    }
+}
+
+/// One group of points for each material, in the order of the materials' names.
+fn body(case: &Case, outlines: &[Outline], seeding: &Seeding) -> Result<Body, SceneError> {
+    let mut groups = Vec::new();
+    let mut first = 0;
+    for (index, (name, material)) in case.material.iter().enumerate() {
+        let used = |s: &&crate::seed::Seed| &case.region[s.region].material == name;
+        let points: Vec<Seedling> =
+            seeding.points.iter().filter(used).map(|s| seedling(case, outlines, s)).collect();
+        if points.is_empty() {
+            continue;
+        }
+        let law = materials::law(material, case.solver.kinematics);
+        let params = materials::columns(case, material, first, points.len());
+        first += points.len();
+        groups.push(GroupSeed { material: index as u16, law, params, points });
+    }
+    Ok(Body::new(groups))
+}
+
+fn seedling(case: &Case, outlines: &[Outline], seed: &crate::seed::Seed) -> Seedling {
+    let region = &case.region[seed.region];
+    let density = case.material[&region.material].elastic().unit_weight / case.gravity.acceleration;
+    Seedling {
+        x: seed.x,
+        v: initial_velocity(region, seed.x),
+        mass: density * seed.volume,
+        volume: seed.volume,
+        stress: materials::initial_stress(case, outlines, seed.x),
+    }
+}
+
+fn initial_velocity(region: &case::Region, x: [f64; 2]) -> [f64; 2] {
+    let mut v = region.velocity;
+    if let Some(spin) = &region.spin {
+        v[0] -= spin.rate * (x[1] - spin.center[1]);
+        v[1] += spin.rate * (x[0] - spin.center[0]);
+    }
+    if let Some(wave) = &region.wave {
+        let phase = (wave.wave_number[0] * x[0] + wave.wave_number[1] * x[1]).sin();
+        v[0] += wave.amplitude[0] * phase;
+        v[1] += wave.amplitude[1] * phase;
+    }
+    v
+}
+
+/// Length of an elastic in-situ phase (s); 0 without one.
+fn settling_time(case: &Case) -> f64 {
+    match case.gravity.schedule {
+        case::GravitySchedule::ElasticFirst { ramp_time, settle_time, .. } => ramp_time + settle_time,
+        _ => 0.0,
+    }
+}
+
+/// Puts elastic laws in the place of the real ones where an in-situ phase comes first.
+fn in_situ(case: &Case, mut body: Body) -> (Option<InSitu>, Body) {
+    let until = settling_time(case);
+    if until <= 0.0 {
+        return (None, body);
+    }
+    let swap = |group: &mut crate::body::Group| -> Box<dyn Law> {
+        std::mem::replace(&mut group.law, materials::elastic_stand_in(case.solver.kinematics))
+    };
+    let laws = body.groups.iter_mut().map(swap).collect();
+    (Some(InSitu { until, laws }), body)
+}

@@ -1,0 +1,156 @@
+//! Why each effect is on or off, and what it costs.
+
+use serde::Serialize;
+
+use super::{Scene, effects::has_local_damping, effects::sides};
+use crate::{
+    body::Column,
+    case::{self, Case, GravitySchedule},
+    sim::Simulation,
+};
+
+/// One effect in the record.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EffectNote {
+    pub name: String,
+    pub on: bool,
+    /// The key, or the fact of the scene, that decided it.
+    pub why: String,
+    /// Bytes moved for it, a point and step; 0 where it is off.
+    #[serde(skip)]
+    pub bytes_per_point: f64,
+}
+
+/// All effects of a case. `simulation` is read for what is stored.
+pub fn list(case: &Case, simulation: &Simulation) -> Vec<EffectNote> {
+    // nodal columns count per node; a slope has about one active node for its points per cell
+    let node = 1.0 / (case.points.per_axis * case.points.per_axis) as f64;
+    vec![
+        note("inertia", true, "solver.scheme = \"explicit\" integrates the equation of motion".into(), 80.0 * node),
+        finite_strain(case),
+        plasticity(case),
+        softening(case),
+        gravity(case, node),
+        support(case),
+        friction(case),
+        local_damping(case, node),
+        viscous_damping(case, node),
+        random_strength(case, simulation),
+        contact_separation(case),
+        note("f_bar", false, "the explicit scheme has no cure for volumetric locking yet".into(), 0.0),
+        note("ghost_penalty", false, "a remedy of the implicit scheme; MUSL needs none".into(), 0.0),
+    ]
+}
+
+fn note(name: &str, on: bool, why: String, bytes: f64) -> EffectNote {
+    EffectNote { name: name.to_owned(), on, why, bytes_per_point: if on { bytes } else { 0.0 } }
+}
+
+fn finite_strain(case: &Case) -> EffectNote {
+    match case.solver.kinematics {
+        case::Kinematics::Hencky => {
+            note("finite_strain", true, "solver.kinematics = \"hencky\": logarithmic strain".into(), 16.0)
+        }
+        case::Kinematics::Rate => {
+            note("finite_strain", true, "solver.kinematics = \"rate\": Jaumann rate of the Cauchy stress".into(), 16.0)
+        }
+    }
+}
+
+fn strong(case: &Case) -> Vec<(&String, &case::Strength)> {
+    case.material
+        .iter()
+        .filter_map(|(name, m)| match m {
+            case::Material::VonMises { strength, .. } => Some((name, strength)),
+            case::Material::Elastic { .. } => None,
+        })
+        .collect()
+}
+
+fn plasticity(case: &Case) -> EffectNote {
+    match strong(case).first() {
+        Some((name, _)) => note("plasticity", true, format!("material.{name}.law = \"von_mises\""), 16.0),
+        None => note("plasticity", false, "every material is elastic".into(), 0.0),
+    }
+}
+
+fn softening(case: &Case) -> EffectNote {
+    match strong(case).iter().find(|(_, s)| s.softening_modulus != 0.0) {
+        Some((name, s)) => {
+            note("softening", true, format!("material.{name}.softening_modulus = {}", s.softening_modulus), 0.0)
+        }
+        None => note("softening", false, "no material softens".into(), 0.0),
+    }
+}
+
+fn gravity(case: &Case, node: f64) -> EffectNote {
+    let why = match case.gravity.schedule {
+        GravitySchedule::None => return note("gravity", false, "gravity.schedule = \"none\"".into(), 0.0),
+        GravitySchedule::AtOnce => "gravity.schedule = \"at_once\"",
+        GravitySchedule::Ramp { .. } => "gravity.schedule = \"ramp\"",
+        GravitySchedule::NormalFirst { .. } => "gravity.schedule = \"normal_first\"",
+        GravitySchedule::ElasticFirst { .. } => "gravity.schedule = \"elastic_first\"",
+    };
+    note("gravity", true, why.into(), 88.0 * node)
+}
+
+fn support(case: &Case) -> EffectNote {
+    let held: Vec<_> = sides(case).filter(|(_, k)| matches!(k, case::Side::Roller | case::Side::Fixed)).collect();
+    let names: Vec<String> = held.iter().map(|(s, _)| format!("boundary.{}", s.name())).collect();
+    match names.is_empty() {
+        true => note("support", false, "no side is a roller or fixed".into(), 0.0),
+        false => note("support", true, names.join(", "), 0.0),
+    }
+}
+
+fn friction(case: &Case) -> EffectNote {
+    let side = sides(case).find_map(|(s, k)| match k {
+        case::Side::Friction { coefficient, .. } => Some((s, *coefficient)),
+        _ => None,
+    });
+    match side {
+        Some((s, c)) => note("friction", true, format!("boundary.{}.coefficient = {c}", s.name()), 0.0),
+        None => note("friction", false, "no side is frictional".into(), 0.0),
+    }
+}
+
+fn contact_separation(case: &Case) -> EffectNote {
+    let open = sides(case).find(|(_, k)| matches!(k, case::Side::Friction { separation: true, .. }));
+    match open {
+        Some((s, _)) => note("contact_separation", true, format!("boundary.{}.separation = true", s.name()), 0.0),
+        None => note("contact_separation", false, "no side lets the soil lift off".into(), 0.0),
+    }
+}
+
+fn local_damping(case: &Case, node: f64) -> EffectNote {
+    match (has_local_damping(case), case.damping.local > 0.0) {
+        (true, true) => note("local_damping", true, format!("damping.local = {}", case.damping.local), 48.0 * node),
+        (true, false) => note("local_damping", true, "gravity.settle_damping, while the soil settles".into(), 48.0 * node),
+        _ => note("local_damping", false, "damping.local = 0".into(), 0.0),
+    }
+}
+
+fn viscous_damping(case: &Case, node: f64) -> EffectNote {
+    let rate = case.damping.viscous;
+    note("viscous_damping", rate > 0.0, format!("damping.viscous = {rate}"), 56.0 * node)
+}
+
+fn random_strength(case: &Case, simulation: &Simulation) -> EffectNote {
+    let varying = simulation.body.groups.iter().flat_map(|g| &g.params);
+    let columns = varying.filter(|c| matches!(c, Column::Varying(_))).count();
+    match columns {
+        0 => note("random_strength", false, "jitter.strength = 0".into(), 0.0),
+        n => note("random_strength", true, format!("jitter.strength = {}", case.jitter.strength), 8.0 * n as f64),
+    }
+}
+
+/// The table that `rmpm explain` prints.
+pub fn explain(scene: &Scene) -> String {
+    let total: f64 = scene.effects.iter().map(|e| e.bytes_per_point).sum();
+    let mut text = String::from("effect              on   bytes/point/step  why\n");
+    for e in &scene.effects {
+        let cost = if e.on { format!("{:.1}", e.bytes_per_point) } else { "-".to_owned() };
+        text += &format!("{:<18}  {:<3}  {:>16}  {}\n", e.name, if e.on { "yes" } else { "no" }, cost, e.why);
+    }
+    text + &format!("\n{total:.0} bytes a point and step for the effects that are on; an absent effect has no array and no call.\n")
+}

@@ -1,0 +1,10 @@
+//! The background grid and the shape functions on it.
+
+pub mod gauss;
+pub mod grid;
+pub mod shape;
+pub mod stencil;
+
+pub use grid::Grid;
+pub use shape::{Linear, Shape};
+pub use stencil::Stencil;

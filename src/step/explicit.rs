@@ -1,0 +1,290 @@
+//! The explicit integrator of Sulsky & Schreyer (1996): lumped mass, stresses updated last.
+
+use crate::{
+    assembly::{Scatter, Scratch, Strain},
+    body::{Body, chunks},
+    effect::{Clock, Effect, Pass},
+    fault::Fault,
+    math::simd::FpPath,
+    nodes::Nodes,
+    space::{Grid, Shape},
+    step::{Books, Integrator},
+    transfer::Push,
+    work::Work,
+};
+
+/// When and with which velocity the points are strained.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StressUpdate {
+    /// With velocities mapped back from the moved points: light nodes do no harm.
+    Musl,
+    /// With the nodal velocities as they are.
+    Usl,
+}
+
+/// Settings of the explicit integrator.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    pub stress_update: StressUpdate,
+    /// Rate of PIC (1/s).
+    pub pic_rate: f64,
+    /// Safety factor on the Courant step.
+    pub courant: f64,
+    /// Nodes lighter than this fraction of the mean point mass are accelerated as if they had it.
+    pub mass_floor: f64,
+}
+
+/// The integrator for shapes with `N` nodes a point.
+pub struct Explicit<S, const N: usize> {
+    shape: S,
+    settings: Settings,
+    nodes: Nodes,
+    scratch: Box<Scratch<N>>,
+    effects: Vec<Box<dyn Effect>>,
+    lists: StageLists,
+    plastic: f64,
+    floor_impulse: [f64; 2],
+    path: FpPath,
+    runs_when_sorted: u64,
+    balance: Box<NodeBalance>,
+}
+
+/// Which effects take part in which stage, found once.
+#[derive(Default)]
+struct StageLists {
+    force: Vec<usize>,
+    constrain: Vec<usize>,
+    account: Vec<usize>,
+}
+
+/// Sums per active node for the estimate of the stable step.
+#[derive(Default)]
+struct NodeBalance {
+    stiffness: Vec<f64>,
+    squares: Vec<f64>,
+    mass: Vec<f64>,
+}
+
+impl<S: Shape<N>, const N: usize> Explicit<S, N> {
+    /// An integrator on `grid` with the effects in the order in which they act.
+    pub fn new(shape: S, grid: Grid, settings: Settings, effects: Vec<Box<dyn Effect>>) -> Self {
+        let pick = |f: fn(&dyn Effect) -> bool| {
+            effects.iter().enumerate().filter(|(_, e)| f(e.as_ref())).map(|(i, _)| i).collect()
+        };
+        let lists = StageLists {
+            force: pick(|e| e.stages().force),
+            constrain: pick(|e| e.stages().constrain),
+            account: pick(|e| e.stages().account),
+        };
+        Explicit {
+            shape,
+            settings,
+            nodes: Nodes::new(grid),
+            scratch: Box::default(),
+            effects,
+            lists,
+            plastic: 0.0,
+            floor_impulse: [0.0; 2],
+            path: FpPath::best(),
+            runs_when_sorted: 0,
+            balance: Box::default(),
+        }
+    }
+
+    /// Puts the points back in cell order when too many runs of equal nodes have been broken.
+    fn keep_sorted(&mut self, body: &mut Body, runs: u64, work: &mut Work) {
+        if self.runs_when_sorted == 0 {
+            self.runs_when_sorted = runs;
+        } else if runs > self.runs_when_sorted + self.runs_when_sorted / 4 + 8 {
+            body.sort(&self.nodes.grid);
+            self.runs_when_sorted = 0;
+            work.sorts += 1;
+        }
+    }
+
+    fn scatter(&mut self, body: &Body) -> u64 {
+        self.nodes.begin();
+        let mut runs = 0;
+        let Explicit { scratch, nodes, shape, path, .. } = self;
+        path.run(Scatter { scratch: scratch.as_mut(), body, nodes, runs: &mut runs, shape: *shape });
+        runs
+    }
+
+    /// v = p / m at the start, forces, v += dt f / m, supports.
+    fn update_nodes(&mut self, clock: Clock, mean_mass: f64, work: &mut Work) -> [f64; 2] {
+        let Explicit { nodes, effects, lists, .. } = self;
+        effects.iter_mut().for_each(|e| e.ledger().begin());
+        divide(&mut nodes.old_velocity, &nodes.momentum, &nodes.mass, nodes.count);
+        lists.force.iter().for_each(|&e| effects[e].force(nodes, clock));
+        let floor = accelerate(nodes, clock.dt, self.settings.mass_floor * mean_mass);
+        lists.constrain.iter().for_each(|&e| effects[e].constrain(nodes, Pass::Update, clock));
+        lists.account.iter().for_each(|&e| effects[e].account(nodes, clock));
+        work.effect_calls += (lists.force.len() + lists.constrain.len() + lists.account.len()) as u64;
+        floor
+    }
+
+    fn push(&mut self, body: &mut Body, dt: f64) -> Result<(), Fault> {
+        let pic = -(-self.settings.pic_rate * dt).exp_m1();
+        let Explicit { scratch, nodes, shape, path, settings, .. } = self;
+        let (scratch, shape) = (scratch.as_mut(), *shape);
+        match settings.stress_update {
+            StressUpdate::Musl => {
+                let n = nodes.count;
+                nodes.momentum.iter_mut().for_each(|m| m[..n].fill(0.0));
+                path.run(Push::<S, N, true> { scratch, body, nodes, dt, pic, shape })
+            }
+            StressUpdate::Usl => path.run(Push::<S, N, false> { scratch, body, nodes, dt, pic, shape }),
+        }
+    }
+
+    /// The velocity that strains the points.
+    fn strain_velocity(&mut self, clock: Clock, work: &mut Work) {
+        let Explicit { nodes, effects, lists, settings, .. } = self;
+        match settings.stress_update {
+            StressUpdate::Musl => {
+                divide(&mut nodes.strain_velocity, &nodes.momentum, &nodes.mass, nodes.count);
+                lists.constrain.iter().for_each(|&e| effects[e].constrain(nodes, Pass::Remap, clock));
+                work.effect_calls += lists.constrain.len() as u64;
+            }
+            StressUpdate::Usl => {
+                let n = nodes.count;
+                for axis in 0..2 {
+                    nodes.strain_velocity[axis][..n].copy_from_slice(&nodes.velocity[axis][..n]);
+                }
+            }
+        }
+    }
+
+    fn commit(&mut self, body: &mut Body, plastic: f64, floor: [f64; 2], work: &mut Work) {
+        body.commit();
+        self.effects.iter_mut().for_each(|e| e.ledger().commit());
+        self.plastic += plastic;
+        self.floor_impulse[0] += floor[0];
+        self.floor_impulse[1] += floor[1];
+        work.steps += 1;
+        work.particle_steps += body.len() as u64;
+        work.law_blocks += body.groups.iter().map(|g| chunks(g.range.clone()).count() as u64).sum::<u64>();
+        let (growths, high) = self.nodes.growth();
+        work.node_growths = growths;
+        work.max_active_nodes = high as u64;
+    }
+}
+
+/// `out = p / m` on the active nodes.
+fn divide(out: &mut [Vec<f64>; 2], momentum: &[Vec<f64>; 2], mass: &[f64], n: usize) {
+    for axis in 0..2 {
+        let columns = momentum[axis][..n].iter().zip(&mass[..n]);
+        for (v, (p, m)) in out[axis][..n].iter_mut().zip(columns) {
+            *v = p / m;
+        }
+    }
+}
+
+/// v = v_old + dt f / max(m, floor); the impulse that a floor holds back is returned.
+fn accelerate(nodes: &mut Nodes, dt: f64, floor: f64) -> [f64; 2] {
+    let n = nodes.count;
+    let mut held = [0.0; 2];
+    for axis in 0..2 {
+        let columns = nodes.force[axis][..n].iter().zip(&nodes.mass[..n]).zip(&nodes.old_velocity[axis][..n]);
+        for (v, ((f, &m), old)) in nodes.velocity[axis][..n].iter_mut().zip(columns) {
+            *v = old + dt * f / m.max(floor);
+        }
+        if floor > 0.0 {
+            let columns = nodes.force[axis][..n].iter().zip(&nodes.mass[..n]);
+            held[axis] = columns.map(|(f, m)| -dt * f * (1.0 - m / m.max(floor))).sum();
+        }
+    }
+    held
+}
+
+impl<S: Shape<N>, const N: usize> Integrator for Explicit<S, N> {
+    /// `courant` times the smaller of
+    /// - h / (c + |v|), and
+    /// - 2 / sqrt(max kappa_i), kappa_i an estimate of the largest eigenvalue at node i, which
+    ///   light and unevenly loaded nodes raise:
+    ///   kappa_i = sum(V M |grad N_i|^2) sum(N_i^2 m) / m_i^2 for MUSL (mapping to the points and
+    ///   back weighs the force by N), sum(V M |grad N_i|^2) / m_i for USL.
+    fn stable_dt(&mut self, body: &Body) -> Option<f64> {
+        let (wave, particle) = body.speeds();
+        let courant = self.nodes.grid.h / (wave + particle);
+        let kappa = self.largest_kappa(body);
+        Some(self.settings.courant * courant.min(2.0 / kappa.sqrt()))
+    }
+
+    fn step(&mut self, body: &mut Body, clock: Clock, work: &mut Work) -> Result<(), Fault> {
+        let runs = self.scatter(body);
+        let mean_mass = if self.settings.mass_floor > 0.0 { body.total_mass() / body.len() as f64 } else { 0.0 };
+        let floor = self.update_nodes(clock, mean_mass, work);
+        self.push(body, clock.dt)?;
+        self.strain_velocity(clock, work);
+        let Explicit { scratch, nodes, shape, path, .. } = self;
+        let plastic = path.run(Strain { scratch: scratch.as_mut(), body, nodes, dt: clock.dt, shape: *shape })?;
+        self.commit(body, plastic, floor, work);
+        self.keep_sorted(body, runs, work);
+        Ok(())
+    }
+
+    fn nodal_kinetic_energy(&self) -> f64 {
+        self.nodes.kinetic_energy()
+    }
+
+    fn books(&self) -> Books {
+        let mut books = Books { plastic: self.plastic, ..Books::default() };
+        books.effects.impulse = self.floor_impulse;
+        for effect in &self.effects {
+            let totals = effect.totals();
+            books.effects.add(&totals);
+            match effect.name() {
+                "friction" => books.friction += totals.dissipated,
+                _ => books.damping += totals.dissipated,
+            }
+        }
+        books
+    }
+
+    fn bytes(&self) -> usize {
+        4 * self.nodes.grid.nodes() + 12 * 8 * self.nodes.id.capacity()
+    }
+}
+
+impl<S: Shape<N>, const N: usize> Explicit<S, N> {
+    /// Largest kappa_i over the nodes; see [`Integrator::stable_dt`].
+    fn largest_kappa(&mut self, body: &Body) -> f64 {
+        self.nodes.begin();
+        let n = self.collect_balance(body);
+        let NodeBalance { stiffness, squares, mass } = self.balance.as_ref();
+        let floor = self.settings.mass_floor * body.total_mass() / body.len().max(1) as f64;
+        let kappa = |i: usize| match self.settings.stress_update {
+            StressUpdate::Musl => stiffness[i] * squares[i] / (mass[i] * mass[i]),
+            StressUpdate::Usl => stiffness[i] / mass[i].max(floor),
+        };
+        (0..n).map(kappa).fold(0.0, f64::max)
+    }
+
+    /// Sums V M |grad N|^2, N^2 m and N m on the nodes.
+    fn collect_balance(&mut self, body: &Body) -> usize {
+        let offsets = S::offsets(self.nodes.grid.row());
+        let mut stencil = Box::<crate::space::Stencil<N>>::default();
+        let Explicit { nodes, balance, .. } = self;
+        let b = balance.as_mut();
+        [&mut b.stiffness, &mut b.squares, &mut b.mass].into_iter().for_each(|c| c.fill(0.0));
+        body.for_each(|group, block, lane, i| {
+            let (x, y) = ([body.committed.x[0][i]; 32], [body.committed.x[1][i]; 32]);
+            S::fill(&nodes.grid, &x, &y, &mut stencil);
+            let volume = body.volume[i] * body.committed.jacobian[i];
+            let c = group.law.wave_speed(block, lane, body.mass[i] / volume);
+            let slots = nodes.patch(stencil.base[0], &offsets);
+            for k in 0..N {
+                let s = slots[k];
+                if s >= b.mass.len() {
+                    [&mut b.stiffness, &mut b.squares, &mut b.mass].into_iter().for_each(|v| v.resize(s + 256, 0.0));
+                }
+                let (w, gx, gy) = (stencil.weight[k][0], stencil.grad[0][k][0], stencil.grad[1][k][0]);
+                b.stiffness[s] += body.mass[i] * c * c * (gx * gx + gy * gy);
+                b.squares[s] += w * w * body.mass[i];
+                b.mass[s] += w * body.mass[i];
+            }
+        });
+        nodes.count
+    }
+}

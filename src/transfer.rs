@@ -1,0 +1,119 @@
+//! From the grid back to the points: FLIP with a share of PIC, and the second map of MUSL.
+
+use std::ops::Range;
+
+use crate::{
+    assembly::{Scratch, collect, deposit, place, spread},
+    body::{Body, chunks, load, store},
+    fault::{Fault, FaultKind},
+    math::simd::Kernel,
+    nodes::Nodes,
+    space::{Grid, Shape, stencil::LANES},
+};
+
+/// Moves the points and gives them their new velocity; with `REMAP` the momentum of the new
+/// velocities goes back to the nodes, at the old positions (MUSL).
+/// ```text
+/// x_p += dt sum N_i v_i
+/// v_p  = (1 - a) (v_p + sum N_i (v_i - v_i,old)) + a sum N_i v_i,   a = 1 - exp(-pic_rate dt)
+/// ```
+pub struct Push<'a, S, const N: usize, const REMAP: bool> {
+    pub scratch: &'a mut Scratch<N>,
+    pub body: &'a mut Body,
+    pub nodes: &'a mut Nodes,
+    pub dt: f64,
+    /// a, the share of PIC in this step.
+    pub pic: f64,
+    pub shape: S,
+}
+
+impl<S: Shape<N>, const N: usize, const REMAP: bool> Kernel for Push<'_, S, N, REMAP> {
+    type Output = Result<(), Fault>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let Push { scratch: s, body, nodes, dt, pic, .. } = self;
+        let grid = nodes.grid;
+        let offsets = S::offsets(grid.row());
+        for g in 0..body.groups.len() {
+            for range in chunks(body.groups[g].range.clone()) {
+                place::<S, N>(s, body, nodes, &range);
+                let ([vx, vy], [ox, oy]) = (&nodes.velocity, &nodes.old_velocity);
+                spread(&s.stencil, &mut s.nodal, nodes, &offsets, [vx, vy, ox, oy]);
+                for axis in 0..2 {
+                    load(&mut s.v.0[axis], &body.committed.v[axis], &range);
+                }
+                move_points(s, dt, pic);
+                if !all_inside(s, &grid, range.len()) {
+                    return Err(departure(s, body, &grid, &range));
+                }
+                for axis in 0..2 {
+                    store(&s.x.0[axis], &mut body.trial.x[axis], &range);
+                    store(&s.v.0[axis], &mut body.trial.v[axis], &range);
+                }
+                if REMAP {
+                    load(&mut s.mass.0, &body.mass, &range);
+                    remap(s, nodes, &offsets);
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+#[inline(always)]
+fn move_points<const N: usize>(s: &mut Scratch<N>, dt: f64, pic: f64) {
+    for axis in 0..2 {
+        let (new, old) = (&s.nodal[axis], &s.nodal[axis + 2]);
+        for i in 0..LANES {
+            let (mut grid, mut start) = (0.0, 0.0);
+            for k in 0..N {
+                grid += s.stencil.weight[k][i] * new.0[k][i];
+                start += s.stencil.weight[k][i] * old.0[k][i];
+            }
+            let flip = s.v.0[axis][i] + (grid - start);
+            s.v.0[axis][i] = flip + pic * (grid - flip);
+            s.x.0[axis][i] += dt * grid;
+        }
+    }
+}
+
+#[inline(always)]
+fn all_inside<const N: usize>(s: &Scratch<N>, grid: &Grid, len: usize) -> bool {
+    let far = grid.far();
+    let mut outside = 0u64;
+    for i in 0..LANES {
+        let (x, y) = (s.x.0[0][i], s.x.0[1][i]);
+        let inside = (x > grid.origin[0]) & (x < far[0]) & (y > grid.origin[1]) & (y < far[1]);
+        outside += u64::from(!inside & (i < len));
+    }
+    outside == 0
+}
+
+/// The first point of a block that is not inside the grid.
+#[cold]
+fn departure<const N: usize>(s: &Scratch<N>, body: &Body, grid: &Grid, range: &Range<usize>) -> Fault {
+    let place = |i: usize| [s.x.0[0][i], s.x.0[1][i]];
+    let lane = (0..range.len()).find(|&i| !grid.contains(place(i))).unwrap_or(0);
+    let to = place(lane);
+    let kind = if to.iter().all(|v| v.is_finite()) { FaultKind::LeftGrid } else { FaultKind::NonFinite };
+    let fault = Fault::new(kind).with("to_x", to[0]).with("to_y", to[1]).with("v_x", s.v.0[0][lane]);
+    body.blame(fault.with("v_y", s.v.0[1][lane]).at(lane as u32, to), range.start)
+}
+
+#[inline(always)]
+fn remap<const N: usize>(s: &mut Scratch<N>, nodes: &mut Nodes, offsets: &[u32; N]) {
+    let [px, py, ..] = &mut s.shares;
+    for i in 0..LANES {
+        let (mvx, mvy) = (s.mass.0[i] * s.v.0[0][i], s.mass.0[i] * s.v.0[1][i]);
+        for k in 0..N {
+            px.0[k][i] = s.stencil.weight[k][i] * mvx;
+            py.0[k][i] = s.stencil.weight[k][i] * mvy;
+        }
+    }
+    for run in s.stencil.runs() {
+        let slots = nodes.find(run.base, offsets);
+        deposit(&mut nodes.momentum[0], &slots, collect(&s.shares[0], run.start, run.end));
+        deposit(&mut nodes.momentum[1], &slots, collect(&s.shares[1], run.start, run.end));
+    }
+}
