@@ -180,6 +180,15 @@ impl Body {
         }
     }
 
+    /// Displacement since the start, by identity (m).
+    pub fn displacements(&self, out: &mut [[f64; 2]]) {
+        let [x, y] = &self.committed.x;
+        for (i, &id) in self.id.iter().enumerate() {
+            let x0 = self.reference[id as usize];
+            out[id as usize] = [x[i] - x0[0], y[i] - x0[1]];
+        }
+    }
+
     /// Sum of m v (kN s/m).
     pub fn momentum(&self) -> [f64; 2] {
         [0, 1].map(|a| self.mass.iter().zip(&self.committed.v[a]).map(|(m, v)| m * v).sum())

@@ -40,4 +40,8 @@ pub mod sim;
 
 pub mod scene;
 
+pub mod measure;
+
+pub mod run;
+
 pub mod output;

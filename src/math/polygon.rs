@@ -68,14 +68,14 @@ pub fn clip_to_rect(corners: &[Point], min: Point, max: Point) -> Vec<Point> {
 
 /// Area common to two simple polygons.
 ///
-/// Each polygon is the signed sum of the triangles that its edges span with one fixed point, so
-/// the common area is the signed sum of the common areas of triangles: exact but for round-off,
-/// for concave polygons too.
+/// A polygon is the signed sum of the strips between its edges and a level line below, so the
+/// common area is the signed sum of the common areas of strips: exact but for round-off, for
+/// concave polygons too.
 pub fn overlap_area(a: &[Point], b: &[Point]) -> f64 {
-    let Some(&apex) = a.first() else { return 0.0 };
-    let others: Vec<_> = edges(b).map(|(p, q)| [apex, p, q]).collect();
+    let level = bounds(a)[0][1].min(bounds(b)[0][1]);
+    let strips: Vec<_> = edges(b).collect();
     let sum: f64 = edges(a)
-        .map(|(p, q)| others.iter().map(|other| signed_overlap(&[apex, p, q], other)).sum::<f64>())
+        .map(|one| strips.iter().map(|&other| common_strip(one, other, level)).sum::<f64>())
         .sum();
     sum.abs()
 }
@@ -149,17 +149,35 @@ fn clip_to_half_plane(corners: &[Point], height: impl Fn(Point) -> f64) -> Vec<P
     kept
 }
 
-/// Common area of two triangles, with the product of their signs.
-fn signed_overlap(a: &[Point; 3], b: &[Point; 3]) -> f64 {
-    let (sign_a, sign_b) = (signed_area(a), signed_area(b));
-    if sign_a == 0.0 || sign_b == 0.0 {
+/// Common area of the strips between two edges and a level line; positive where both edges run
+/// the same way along x.
+fn common_strip(one: (Point, Point), other: (Point, Point), level: f64) -> f64 {
+    let left = one.0[0].min(one.1[0]).max(other.0[0].min(other.1[0]));
+    let right = one.0[0].max(one.1[0]).min(other.0[0].max(other.1[0]));
+    if right <= left {
         return 0.0;
     }
-    let side = sign_b.signum();
-    let common = edges(b).fold(a.to_vec(), |rest, (p, q)| {
-        clip_to_half_plane(&rest, |x| side * turn(p, q, x))
-    });
-    sign_a.signum() * side * area(&common)
+    let ends = [left, right].map(|x| (height_at(one, x) - level, height_at(other, x) - level));
+    let same_way = (one.1[0] > one.0[0]) == (other.1[0] > other.0[0]);
+    let area = (right - left) * mean_of_lower(ends);
+    if same_way { area } else { -area }
+}
+
+/// Height of an edge above or below x, between its ends.
+fn height_at((p, q): (Point, Point), x: f64) -> f64 {
+    let share = (x - p[0]) / (q[0] - p[0]);
+    p[1] + share * (q[1] - p[1])
+}
+
+/// Mean of the lower of two linear functions, each given by its values at both ends.
+fn mean_of_lower([(a, b), (c, d)]: [(f64, f64); 2]) -> f64 {
+    let (from, to) = (a - b, c - d);
+    if from * to >= 0.0 {
+        return 0.5 * (a.min(b) + c.min(d));
+    }
+    let share = from / (from - to);
+    let crossing = a + share * (c - a);
+    0.5 * (share * (a.min(b) + crossing) + (1.0 - share) * (crossing + c.min(d)))
 }
 
 #[cfg(test)]

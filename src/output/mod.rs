@@ -1,1 +1,5 @@
 //! What a run leaves behind.
+
+pub mod atomic;
+pub mod plot;
+pub mod vtk;

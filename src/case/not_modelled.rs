@@ -1,0 +1,86 @@
+//! What the program leaves out, by the words people use for it: refused clearly, not as a typing
+//! error.
+
+use super::log::Problem;
+
+/// One thing left out.
+struct Absent {
+    words: &'static [&'static str],
+    why: &'static str,
+    instead: &'static str,
+}
+
+const ABSENT: &[Absent] = &[
+    Absent {
+        words: &[
+            "water", "water_table", "water_level", "groundwater", "phreatic", "phreatic_line",
+            "phreatic_surface", "pore_pressure", "pore_water_pressure", "pressure_head",
+            "permeability", "hydraulic_conductivity", "seepage", "saturation", "suction",
+            "porosity", "consolidation",
+        ],
+        why: "rmpm is a total-stress program: no pore pressure, no flow of water",
+        instead: "give undrained strengths and total unit weights",
+    },
+    Absent {
+        words: &[
+            "surcharge", "load", "loads", "line_load", "point_load", "traction", "pressure",
+            "force", "footing",
+        ],
+        why: "rmpm has no loads but gravity, initial stress and initial motion",
+        instead: "a surcharge can be a region of soil with its weight",
+    },
+    Absent {
+        words: &[
+            "friction_angle", "phi", "dilation_angle", "dilatancy", "dilatancy_angle", "psi",
+            "effective_cohesion", "mohr_coulomb", "drucker_prager", "cam_clay",
+            "modified_cam_clay", "hoek_brown", "tresca",
+        ],
+        why: "rmpm is a total-stress program: its strength is an undrained cohesion",
+        instead: "the laws are elastic and von_mises; the key of the strength is `cohesion`",
+    },
+    Absent {
+        words: &["earthquake", "seismic", "accelerogram", "ground_motion", "kh", "kv"],
+        why: "rmpm has no earthquakes: gravity is constant once it is on",
+        instead: "a steady sideways pull can be given as `gravity.tilt`",
+    },
+    Absent {
+        words: &["anchor", "anchors", "nail", "nails", "geotextile", "pile", "piles", "beam"],
+        why: "rmpm has no structural elements",
+        instead: "a stiff part can be a region with an elastic material",
+    },
+    Absent {
+        words: &["viscosity", "creep", "strain_rate", "rate_exponent"],
+        why: "rmpm has no strength that depends on the rate of strain",
+        instead: "`damping.viscous` damps the motion as a whole",
+    },
+    Absent {
+        words: &["thickness", "depth", "z"],
+        why: "rmpm works in plane strain: all is per metre of width",
+        instead: "leave the key out",
+    },
+];
+
+/// What is planned but not there.
+const LATER: &[Absent] = &[
+    Absent {
+        words: &["implicit", "newmark", "quasi_static"],
+        why: "the scheme is explicit",
+        instead: "use scheme = \"explicit\"",
+    },
+    Absent {
+        words: &["field", "random_field", "correlation_length", "coefficient_of_variation"],
+        why: "strengths are uniform in each material",
+        instead: "a tiny random change of strength is `jitter.strength`",
+    },
+];
+
+/// The refusal for a word that names something left out.
+pub(super) fn problem(word: &str) -> Option<Problem> {
+    let word = word.to_lowercase();
+    refusal(ABSENT, &word, "not modelled").or_else(|| refusal(LATER, &word, "not in this version yet"))
+}
+
+fn refusal(list: &[Absent], word: &str, verdict: &str) -> Option<Problem> {
+    let absent = list.iter().find(|absent| absent.words.contains(&word))?;
+    Some(Problem::new(format!("`{word}` is {verdict}"), absent.why).help(absent.instead))
+}

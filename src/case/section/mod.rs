@@ -1,0 +1,67 @@
+//! The tables of a case file, one reader each.
+
+mod boundary;
+mod gravity;
+mod grid;
+mod material;
+pub(super) mod region;
+mod run;
+mod slide;
+mod solver;
+
+use super::check;
+use super::keys::Keys;
+use super::log::Log;
+use super::source::Span;
+use super::tree::Table;
+use super::types::Case;
+
+/// Reads the whole tree; `None` where an error was noted.
+pub(super) fn case(log: &Log, root: &Table) -> Option<Case> {
+    let mut keys = Keys::new(log, String::new(), Span::new(0, 0..0), Some(root));
+    let case = tables(log, &mut keys);
+    keys.finish();
+    case
+}
+
+fn tables(log: &Log, keys: &mut Keys<'_>) -> Option<Case> {
+    let title = keys.or("title", "untitled".to_owned(), |c| c.text().map(str::to_owned));
+    let seed = keys.or("seed", 1, |c| c.whole(0, i64::MAX as u64));
+    let grid = grid::grid(keys);
+    let points = grid::points(keys);
+    let solver = solver::solver(keys);
+    let explicit = solver::explicit(keys);
+    let gravity = gravity::gravity(keys);
+    let initial_stress = gravity::initial_stress(keys);
+    let damping = run::damping(keys);
+    let jitter = run::jitter(keys);
+    let end = run::end(keys);
+    let output = run::output(keys);
+    let boundary = boundary::boundary(keys);
+    let acceleration = gravity.as_ref().map_or(gravity::STANDARD, |g| g.acceleration);
+    let materials = material::materials(keys, acceleration);
+    let regions = region::regions(keys);
+    let outlines = regions.as_deref().and_then(region::outlines);
+    let slide = slide::slide(keys, outlines.as_deref());
+    check::regions(log, grid.as_ref(), materials.as_ref(), regions.as_deref());
+    let cell_at = grid.as_ref()?.cell_at;
+    let case = Case {
+        title: title?,
+        seed: seed?,
+        grid: grid?.value,
+        points: points?,
+        solver: solver?,
+        explicit: explicit?,
+        gravity: gravity?,
+        initial_stress: initial_stress?,
+        damping: damping?,
+        jitter: jitter?,
+        end: end?,
+        output: output?,
+        slide: slide?,
+        boundary: boundary?,
+        material: materials?.complete()?,
+        region: regions?.into_iter().map(|region| region.value).collect::<Option<_>>()?,
+    };
+    check::size(log, cell_at, &case).then_some(case)
+}

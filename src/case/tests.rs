@@ -1,0 +1,193 @@
+//! Defaults, overrides and round trips.
+
+use super::*;
+
+const SMALL: &str = r#"
+[grid]
+cell = 0.5
+size = [10.0, 4.0]
+
+[end]
+time = 1.0
+
+[material.clay]
+law = "von_mises"
+unit_weight = 18.0
+young_modulus = 1e3
+poisson_ratio = 0.3
+cohesion = 20.0
+
+[[region]]
+material = "clay"
+polygon = [[0, 0], [6, 0], [4, 2], [0, 2]]
+"#;
+
+fn with(overrides: &[&str]) -> Result<Case, String> {
+    let overrides: Vec<_> = overrides.iter().map(|text| (*text).to_owned()).collect();
+    read("small.toml", SMALL, &overrides).map(|(case, _)| case).map_err(|e| e.render(false))
+}
+
+fn errors(text: &str, overrides: &[&str]) -> Vec<String> {
+    let overrides: Vec<_> = overrides.iter().map(|text| (*text).to_owned()).collect();
+    let found = read("case.toml", text, &overrides).expect_err("the case has errors");
+    found.errors().iter().map(|e| format!("{}:{}: {}", e.line, e.column, e.message)).collect()
+}
+
+#[test]
+fn keys_left_out_have_the_documented_defaults() {
+    let case = with(&[]).expect("a valid case");
+    assert_eq!((case.title.as_str(), case.seed), ("untitled", 1));
+    assert_eq!(case.grid.origin, [0.0, 0.0]);
+    let points = Points { layout: Layout::Gauss, per_axis: 2, cut_cells: CutCells::Full };
+    assert_eq!(case.points, points);
+    assert_eq!(case.solver.kinematics, Kinematics::Hencky);
+    let explicit = Explicit {
+        stress_update: StressUpdate::Musl,
+        pic_rate: 0.5,
+        courant: 0.25,
+        time_step: None,
+        mass_floor: 0.0,
+    };
+    assert_eq!(case.explicit, explicit);
+    assert_eq!(case.gravity.schedule, GravitySchedule::Ramp { ramp_time: 5.0 });
+    assert_eq!(case.output, Output { history: 0.02, frames: 0.25, pictures: vec![] });
+    assert_eq!((case.end.at_rest, case.end.rest_energy, case.end.rest_hold), (true, 1e-3, 4.0));
+    assert_eq!((case.boundary.left, case.slide), (Side::Free, None));
+    let Some(Material::VonMises { strength, .. }) = case.material.get("clay") else {
+        panic!("clay is a von Mises soil");
+    };
+    assert_eq!((strength.residual_cohesion, strength.yield_constant), (20.0, 3f64.sqrt()));
+    assert_eq!(case.region[0].name, "region 1");
+}
+
+#[test]
+fn the_mass_floor_follows_the_stress_update() {
+    let case = with(&["explicit.stress_update=usl"]).expect("a valid case");
+    assert_eq!(case.explicit.mass_floor, 1e-3);
+}
+
+#[test]
+fn slide_is_measured_on_the_soil() {
+    let case = with(&["slide={}"]).expect("a valid case");
+    let slide = case.slide.expect("a slide");
+    assert_eq!((slide.crest, slide.threshold, slide.censored_above), ([4.0, 2.0], 0.1, 3.6));
+    assert_eq!(slide.also, [0.2]);
+}
+
+#[test]
+fn every_template_reads_without_warning_and_comes_back_from_its_resolved_text() {
+    for name in TEMPLATES {
+        let text = template(name).expect("a template");
+        let (case, warnings) = read(name, text, &[]).unwrap_or_else(|e| panic!("{e}"));
+        assert!(warnings.is_empty(), "{}", warnings[0].render(false));
+        let (again, _) = read(name, &case.to_toml(), &[]).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(case, again);
+    }
+}
+
+#[test]
+fn every_variant_comes_back_from_its_resolved_text() {
+    let variants: &[&[&str]] = &[
+        &["gravity.schedule=none", "grid.cell=5/29", "seed=9223372036854775807"],
+        &["gravity.schedule=at_once", "initial_stress={kind=\"k0\", k0=0.5}"],
+        &["gravity.schedule=normal_first", "gravity.tilt=30", "gravity.tangential_time=0.1"],
+        &["gravity.schedule=elastic_first", "output.pictures=[1, 2.5]", "explicit.time_step=1e-3"],
+        &["initial_stress={kind=\"given\", xx=-1, yy=-2, zz=-1}", "solver.kinematics=rate"],
+        &["region.0.circle={center=[2,2], radius=1.5}", "region.0.spin={rate=1, center=[2,2]}"],
+        &["boundary.base={kind=\"friction\", coefficient=0.3}", "boundary.left=roller"],
+        &["region.0.name=\"a \\\"quoted\\\" name\"", "title='# [x]'", "slide.crest=[4, 2]"],
+        &["material.clay.law=elastic", "material.clay.density=1.7", "material.clay.cohesion=1"],
+    ];
+    for overrides in &variants[..8] {
+        let case = with(overrides).unwrap_or_else(|e| panic!("{e}"));
+        let (again, _) = read("again", &case.to_toml(), &[]).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(case, again);
+    }
+    assert!(with(variants[8]).expect_err("no cohesion").contains("has no meaning"));
+}
+
+#[test]
+fn keys_of_the_file_lapse_when_an_override_chooses_another_variant() {
+    let case = with(&["material.clay.law=elastic", "material.clay.density=2"]).expect("valid");
+    assert_eq!(case.material["clay"].elastic().unit_weight, 2.0 * 9.81);
+    let case = with(&["region.0.circle={center=[2,2], radius=1}"]).expect("valid");
+    assert!(matches!(case.region[0].shape, RegionShape::Circle { .. }));
+}
+
+#[test]
+fn a_bare_side_takes_overrides_of_its_keys() {
+    let text = format!("{SMALL}[boundary]\nbase = \"roller\"\n");
+    let sets = ["boundary.base.kind=friction", "boundary.base.coefficient=0.2"].map(str::to_owned);
+    let (case, _) = read("case.toml", &text, &sets).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(case.boundary.base, Side::Friction { coefficient: 0.2, separation: true });
+}
+
+#[test]
+fn the_last_override_wins_and_regions_go_by_name_too() {
+    let case = with(&["end.time=2", "end.time=3", "region.region 1.velocity=[1,0]"]).expect("valid");
+    assert_eq!((case.end.time, case.region[0].velocity), (3.0, [1.0, 0.0]));
+}
+
+#[test]
+fn errors_come_in_the_order_of_the_file() {
+    let text = SMALL.replace("cell = 0.5", "cell = -1").replace("time = 1.0", "tme = 1.0");
+    let found = errors(&text, &["seed=-1"]);
+    assert_eq!(found, [
+        "3:8: `grid.cell` = -1 is out of range",
+        "6:1: `end.time` is missing",
+        "7:1: unknown key `end.tme`",
+        "1:6: `seed` = -1 is out of range",
+    ]);
+}
+
+#[test]
+fn warnings_do_not_stop_a_case() {
+    let unused = "[material.spare]\nlaw = \"elastic\"\nunit_weight = 1\nyoung_modulus = 1\npoisson_ratio = 0\n";
+    let text = format!("{SMALL}{unused}");
+    let (_, warnings) = read("case.toml", &text, &[]).expect("a valid case");
+    assert_eq!(warnings[0].message, "material `spare` is not used");
+    assert_eq!(warnings[0].severity, Severity::Warning);
+}
+
+#[test]
+fn unsound_soils_are_refused() {
+    let soft = |key: &str| with(&[key]).expect_err(key);
+    assert!(soft("material.clay.softening_modulus=-700").contains("-666.2 kPa"));
+    let both = ["material.clay.residual_cohesion=30", "material.clay.softening_modulus=-1"];
+    assert!(with(&both).expect_err("stronger").contains("softens: at most 20"));
+    for poisson_ratio in ["0.5", "-1", "nan"] {
+        let set = format!("material.clay.poisson_ratio={poisson_ratio}");
+        assert!(soft(&set).contains("greater than -1 and less than 0.5"));
+    }
+    assert!(soft("material.clay.cohesion=0").contains("is out of range"));
+}
+
+#[test]
+fn memory_grows_with_points_and_grid() {
+    let small = with(&[]).expect("valid").memory_estimate_bytes();
+    let points = (1.1 * 10.0 / 0.25 * 4.0 * 260.0) as u64;
+    assert_eq!(small, points + 4 * 21 * 9);
+}
+
+#[test]
+fn a_crest_needs_soil() {
+    assert!(with(&["slide.crest=[9,3]"]).expect_err("air").contains("outside the soil"));
+    let circle = ["region.0.circle={center=[2,2], radius=1}", "slide={}"];
+    assert!(with(&circle).expect_err("no crest").contains("no crest can be found"));
+}
+
+#[test]
+fn long_files_and_deep_keys_are_refused() {
+    assert!(errors(&" ".repeat((1 << 20) + 1), &[])[0].contains("bytes"));
+    assert!(errors(&"a.".repeat(100_000), &[])[0].contains("too many parts"));
+    assert!(!errors(&"[".repeat(100_000), &[]).is_empty());
+}
+
+#[test]
+fn many_errors_are_counted() {
+    let corners = "[nan, 0], ".repeat(2000);
+    let text = SMALL.replace("[[0, 0],", &format!("[{corners}"));
+    let found = read("case.toml", &text, &[]).expect_err("many errors");
+    assert_eq!(found.errors().len(), 1000);
+    assert!(found.render(false).ends_with("... and 1980 more"));
+}

@@ -1,0 +1,33 @@
+//! Pictures (PNG): the shape of a slope coloured by a field, line plots, intervals.
+//!
+//! Every picture is white, has its text in one embedded font, and is written whole or not at all.
+
+mod annotate;
+mod axes;
+mod canvas;
+mod clip;
+mod colour;
+mod field;
+mod font;
+mod intervals;
+mod kind;
+mod layout;
+mod legend;
+mod look;
+mod place;
+mod points;
+mod series;
+mod text;
+mod ticks;
+mod view;
+
+pub use axes::{AxisSpec, Scale};
+pub use colour::{ColourMap, PALETTE, Rgb};
+pub use field::{Dimension, FieldOptions, field, field_png};
+pub use intervals::{Interval, IntervalPlot, intervals, intervals_png};
+pub use kind::FieldKind;
+pub use series::{Band, Bar, Curve, Marker, SeriesPlot, Style, series, series_png};
+pub use view::View;
+
+#[cfg(test)]
+mod tests;

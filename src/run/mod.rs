@@ -1,0 +1,280 @@
+//! The time loop of a run: steps, samples, frames, and when it is over.
+
+use std::{
+    sync::atomic::{AtomicBool, Ordering},
+    time::{Duration, Instant},
+};
+
+use serde::Serialize;
+
+use crate::{
+    case::{self, Case},
+    fault::Fault,
+    measure::{
+        SlideProbe,
+        summary::{Measures, SlideHistory, measures},
+    },
+    scene::Scene,
+    sim::{Energies, Simulation},
+    snapshot::Snapshot,
+};
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Status {
+    AtRest,
+    EndTime,
+    Failed,
+    Interrupted,
+    ResourceCap,
+}
+
+/// The end of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    pub status: Status,
+    /// Simulated time (s).
+    pub time: f64,
+    pub message: String,
+    pub fault: Option<Fault>,
+    pub dt: StepRange,
+    pub measures: Measures,
+}
+
+/// Shortest, mean and longest step (s).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct StepRange {
+    pub min: f64,
+    pub mean: f64,
+    pub max: f64,
+}
+
+/// One row of the history.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    pub time: f64,
+    pub dt: f64,
+    pub energies: Energies,
+    /// r (m), where the case has a crest.
+    pub sliding_distance: Option<f64>,
+}
+
+/// Watches a run. Every method has an empty default.
+pub trait Observer {
+    /// A row of the history.
+    fn sample(&mut self, _sample: &Sample) -> std::io::Result<()> {
+        Ok(())
+    }
+
+    /// A frame.
+    fn frame(&mut self, _snapshot: &Snapshot) -> std::io::Result<()> {
+        Ok(())
+    }
+
+    /// Whether frames are wanted at all; without them no snapshot is taken.
+    fn wants_frames(&self) -> bool {
+        false
+    }
+}
+
+/// An observer that looks away.
+pub struct Blind;
+
+impl Observer for Blind {}
+
+/// What may end a run from outside.
+#[derive(Clone, Copy)]
+pub struct Limits<'a> {
+    /// Set by an interrupt.
+    pub interrupt: Option<&'a AtomicBool>,
+    /// Wall time allowed.
+    pub time_limit: Option<Duration>,
+}
+
+impl Limits<'_> {
+    /// No limit.
+    pub const NONE: Limits<'static> = Limits { interrupt: None, time_limit: None };
+}
+
+/// Steps between two looks at the clock and the interrupt.
+const LOOK: u64 = 16;
+
+struct Loop<'a> {
+    case: &'a Case,
+    probe: Option<SlideProbe>,
+    rest: Rest,
+    history: SlideHistory,
+    displacement: Vec<[f64; 2]>,
+    dt: StepRange,
+    next_sample: f64,
+    next_frame: f64,
+    load_end: f64,
+}
+
+/// Runs a scene to its end. The outcome holds the faults of the numerics; `Err` is a failure to
+/// write.
+pub fn run(case: &Case, scene: &mut Scene, limits: Limits, observer: &mut dyn Observer) -> std::io::Result<Outcome> {
+    let started = Instant::now();
+    let mut state = Loop::new(case, scene);
+    let sim = &mut scene.simulation;
+    state.look(sim, observer, true)?;
+    let (status, fault) = loop {
+        if let Some(status) = state.finished(sim) {
+            break (status, None);
+        }
+        if sim.work.steps.is_multiple_of(LOOK) {
+            if limits.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
+                break (Status::Interrupted, None);
+            }
+            if limits.time_limit.is_some_and(|t| started.elapsed() > t) {
+                break (Status::ResourceCap, None);
+            }
+        }
+        if let Err(fault) = sim.step(state.limit(sim)) {
+            break (Status::Failed, Some(fault));
+        }
+        state.note_step(sim);
+        state.look(sim, observer, false)?;
+    };
+    state.look(sim, observer, true)?;
+    Ok(state.outcome(sim, status, fault))
+}
+
+impl<'a> Loop<'a> {
+    fn new(case: &'a Case, scene: &Scene) -> Self {
+        let reference = scene.simulation.snapshot().reference;
+        let probe = case.slide.as_ref().map(|s| SlideProbe::new(&reference, s.crest, scene.grid.h));
+        Loop {
+            case,
+            probe,
+            rest: Rest::default(),
+            history: SlideHistory::default(),
+            displacement: vec![[0.0; 2]; reference.len()],
+            dt: StepRange { min: f64::INFINITY, mean: 0.0, max: 0.0 },
+            next_sample: 0.0,
+            next_frame: 0.0,
+            load_end: load_end(&case.gravity.schedule),
+        }
+    }
+
+    /// The longest step that does not pass the end of the run.
+    fn limit(&self, sim: &Simulation) -> f64 {
+        (self.case.end.time - sim.time).max(0.0)
+    }
+
+    fn note_step(&mut self, sim: &Simulation) {
+        self.dt.min = self.dt.min.min(sim.dt);
+        self.dt.max = self.dt.max.max(sim.dt);
+    }
+
+    /// Takes the samples and frames that are due.
+    fn look(&mut self, sim: &Simulation, observer: &mut dyn Observer, forced: bool) -> std::io::Result<()> {
+        if forced || sim.time >= self.next_sample {
+            let sample = self.sample(sim);
+            observer.sample(&sample)?;
+            self.next_sample = next_due(sim.time, self.case.output.history);
+        }
+        if observer.wants_frames() && (forced || sim.time >= self.next_frame) {
+            observer.frame(&sim.snapshot())?;
+            self.next_frame = next_due(sim.time, self.case.output.frames);
+        }
+        Ok(())
+    }
+
+    fn sample(&mut self, sim: &Simulation) -> Sample {
+        let energies = sim.energies();
+        let sliding_distance = self.probe.as_ref().zip(self.case.slide.as_ref()).map(|(probe, keys)| {
+            sim.body.displacements(&mut self.displacement);
+            probe.by_displacement(&self.displacement, keys.threshold)
+        });
+        self.history.time.push(sim.time);
+        self.history.distance.push(sliding_distance.unwrap_or(0.0));
+        self.rest.note(sim.time, energies.nodal_kinetic, sliding_distance.unwrap_or(0.0));
+        Sample { time: sim.time, dt: sim.dt, energies, sliding_distance }
+    }
+
+    fn finished(&self, sim: &Simulation) -> Option<Status> {
+        let end = &self.case.end;
+        let quiet = self.rest.quiet(sim.time, end.rest_energy, end.rest_hold);
+        if end.at_rest && !sim.settling() && sim.time > self.load_end && quiet {
+            return Some(Status::AtRest);
+        }
+        // a remainder below rounding is no step
+        (sim.time >= end.time * (1.0 - 1e-12)).then_some(Status::EndTime)
+    }
+
+    fn outcome(self, sim: &Simulation, status: Status, fault: Option<Fault>) -> Outcome {
+        let snapshot = sim.snapshot();
+        let slide = self.case.slide.as_ref().zip(self.probe.as_ref());
+        let mut m = measures(&snapshot, sim.energies(), slide, &self.history, residual_strain(self.case));
+        m.mass_error = sim.mass_error();
+        m.momentum_error = sim.momentum_error();
+        let steps = sim.work.steps;
+        let dt = StepRange { mean: if steps > 0 { sim.time / steps as f64 } else { 0.0 }, ..self.dt };
+        let dt = if steps > 0 { dt } else { StepRange { min: 0.0, mean: 0.0, max: 0.0 } };
+        Outcome { status, time: sim.time, message: message(status, fault.as_ref(), sim.time), fault, dt, measures: m }
+    }
+}
+
+fn next_due(time: f64, interval: f64) -> f64 {
+    ((time / interval).floor() + 1.0) * interval
+}
+
+/// When gravity has its final value (s).
+fn load_end(schedule: &case::GravitySchedule) -> f64 {
+    match *schedule {
+        case::GravitySchedule::None | case::GravitySchedule::AtOnce => 0.0,
+        case::GravitySchedule::Ramp { ramp_time } => ramp_time,
+        case::GravitySchedule::NormalFirst { ramp_time, settle_time, tangential_time, .. } => {
+            ramp_time + settle_time + tangential_time
+        }
+        case::GravitySchedule::ElasticFirst { ramp_time, settle_time, .. } => ramp_time + settle_time,
+    }
+}
+
+/// Plastic strain at which the last softening material is residual; `None` if none softens.
+pub fn residual_strain(case: &Case) -> Option<f64> {
+    let strains = case.material.values().filter_map(|m| match m {
+        case::Material::VonMises { strength: s, .. } if s.softening_modulus < 0.0 => {
+            Some((s.residual_cohesion - s.cohesion) / s.softening_modulus)
+        }
+        _ => None,
+    });
+    strains.reduce(f64::max)
+}
+
+fn message(status: Status, fault: Option<&Fault>, time: f64) -> String {
+    match (status, fault) {
+        (Status::AtRest, _) => format!("at rest after {time:.2} s"),
+        (Status::EndTime, _) => format!("reached the end time {time:.2} s"),
+        (Status::Failed, Some(fault)) => format!("{fault}; try: {}", fault.advice()),
+        (Status::Failed, None) => "the solver gave up".to_owned(),
+        (Status::Interrupted, _) => format!("interrupted at {time:.2} s; what was done is kept"),
+        (Status::ResourceCap, _) => format!("the time limit was reached at {time:.2} s; what was done is kept"),
+    }
+}
+
+/// The test for rest.
+#[derive(Clone, Copy, Debug, Default)]
+struct Rest {
+    peak: f64,
+    now: f64,
+    distance: f64,
+    changed: f64,
+}
+
+impl Rest {
+    fn note(&mut self, time: f64, kinetic: f64, distance: f64) {
+        self.peak = self.peak.max(kinetic);
+        self.now = kinetic;
+        if distance != self.distance {
+            self.distance = distance;
+            self.changed = time;
+        }
+    }
+
+    fn quiet(&self, time: f64, ratio: f64, hold: f64) -> bool {
+        self.now <= ratio * self.peak && time - self.changed >= hold
+    }
+}
