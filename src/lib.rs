@@ -45,3 +45,7 @@ pub mod measure;
 pub mod run;
 
 pub mod output;
+
+pub mod study;
+
+pub mod cli;

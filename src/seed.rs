@@ -1,17 +1,6 @@
 //! From geometry to material points.
 
-use crate::{
-    math::{circle, polygon},
-    space::Grid,
-};
-
-/// Outline of a region of soil.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Outline {
-    /// Corners in order (m).
-    Polygon(Vec<[f64; 2]>),
-    Circle { center: [f64; 2], radius: f64 },
-}
+use crate::{math::outline::Outline, space::Grid};
 
 /// The rule for cells that the soil fills only in part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,55 +34,6 @@ pub struct Seeding {
 
 /// Share of a cell's area below which a region counts as only touching it.
 const TOUCH: f64 = 1e-6;
-
-impl Outline {
-    /// Whether a position lies inside.
-    pub fn contains(&self, x: [f64; 2]) -> bool {
-        match self {
-            Outline::Polygon(corners) => polygon::contains(corners, x),
-            Outline::Circle { center, radius } => (x[0] - center[0]).hypot(x[1] - center[1]) < *radius,
-        }
-    }
-
-    /// Lower left and upper right corner of the box around it.
-    pub fn bounds(&self) -> [[f64; 2]; 2] {
-        match self {
-            Outline::Polygon(corners) => polygon::bounds(corners),
-            Outline::Circle { center: [x, y], radius: r } => [[x - r, y - r], [x + r, y + r]],
-        }
-    }
-
-    /// Area inside a rectangle.
-    pub fn area_in(&self, min: [f64; 2], max: [f64; 2]) -> f64 {
-        match self {
-            Outline::Polygon(corners) => polygon::area(&polygon::clip_to_rect(corners, min, max)),
-            Outline::Circle { center, radius } => {
-                circle::overlap_with_polygon(*center, *radius, &[min, [max[0], min[1]], max, [min[0], max[1]]])
-            }
-        }
-    }
-
-    /// Length of the vertical line above `x` that runs through the region (m).
-    pub fn height_above(&self, x: [f64; 2]) -> f64 {
-        let mut crossings = self.vertical_crossings(x[0]);
-        crossings.sort_by(f64::total_cmp);
-        crossings.chunks_exact(2).map(|pair| (pair[1] - pair[0].max(x[1])).max(0.0)).sum()
-    }
-
-    fn vertical_crossings(&self, x: f64) -> Vec<f64> {
-        match self {
-            Outline::Polygon(corners) => {
-                let next = corners.iter().cycle().skip(1);
-                let edges = corners.iter().zip(next).filter(|(a, b)| (a[0] > x) != (b[0] > x));
-                edges.map(|(a, b)| a[1] + (b[1] - a[1]) * (x - a[0]) / (b[0] - a[0])).collect()
-            }
-            Outline::Circle { center, radius } => {
-                let half = (radius * radius - (x - center[0]).powi(2)).max(0.0).sqrt();
-                vec![center[1] - half, center[1] + half]
-            }
-        }
-    }
-}
 
 /// Fills the regions with points at the local positions `positions` x `positions` of each cell,
 /// cell by cell, row by row.
@@ -183,14 +123,5 @@ mod tests {
     #[test]
     fn the_refined_mesh_has_29_rows() {
         assert_eq!(slope(5.0 / 29.0, CutRule::Full).cells, 116 * 29 + 29 * 28 / 2 + 29);
-    }
-
-    #[test]
-    fn height_above_a_point_of_the_slope() {
-        let outline = Outline::Polygon(vec![[0.0, 0.0], [25.0, 0.0], [20.0, 5.0], [0.0, 5.0]]);
-        assert!((outline.height_above([10.0, 2.0]) - 3.0).abs() < 1e-12);
-        assert!((outline.height_above([22.0, 1.0]) - 2.0).abs() < 1e-12);
-        let disc = Outline::Circle { center: [0.0, 0.0], radius: 2.0 };
-        assert!((disc.height_above([0.0, 1.0]) - 1.0).abs() < 1e-12);
     }
 }

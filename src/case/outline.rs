@@ -1,7 +1,6 @@
 //! Outlines of regions: what they hold, how far they reach, what may be wrong with them.
 
 use crate::math::polygon::{self, Point};
-use crate::math::circle;
 
 use super::limits::figure;
 use super::log::Problem;
@@ -9,77 +8,6 @@ use super::types::RegionShape;
 
 /// Most corners of a polygon.
 const MOST_CORNERS: usize = 1000;
-
-impl RegionShape {
-    /// Whether a point lies inside.
-    pub fn contains(&self, point: Point) -> bool {
-        match self {
-            RegionShape::Polygon(corners) => polygon::contains(corners, point),
-            RegionShape::Circle { center, radius } => distance(*center, point) < *radius,
-        }
-    }
-
-    /// Whether a point lies inside or no farther than `near` (m) from the outline.
-    pub fn reaches(&self, point: Point, near: f64) -> bool {
-        match self {
-            RegionShape::Polygon(corners) => {
-                self.contains(point) || polygon::distance_to_outline(corners, point) <= near
-            }
-            RegionShape::Circle { center, radius } => distance(*center, point) <= radius + near,
-        }
-    }
-
-    /// Lower left and upper right corner of the smallest upright rectangle around the shape (m).
-    pub fn bounds(&self) -> [Point; 2] {
-        match self {
-            RegionShape::Polygon(corners) => polygon::bounds(corners),
-            RegionShape::Circle { center: [x, y], radius: r } => {
-                [[x - r, y - r], [x + r, y + r]]
-            }
-        }
-    }
-
-    /// Area (m2).
-    pub fn area(&self) -> f64 {
-        match self {
-            RegionShape::Polygon(corners) => polygon::area(corners),
-            RegionShape::Circle { radius, .. } => std::f64::consts::PI * radius * radius,
-        }
-    }
-
-    /// Area (m2) inside the upright rectangle from `min` to `max`; exact but for round-off, for
-    /// circles too.
-    pub fn area_in(&self, min: Point, max: Point) -> f64 {
-        match self {
-            RegionShape::Polygon(corners) => {
-                polygon::area(&polygon::clip_to_rect(corners, min, max))
-            }
-            RegionShape::Circle { center, radius } => {
-                let rectangle = [min, [max[0], min[1]], max, [min[0], max[1]]];
-                circle::overlap_with_polygon(*center, *radius, &rectangle)
-            }
-        }
-    }
-
-    /// Area (m2) common to two shapes; exact but for round-off.
-    pub fn overlap_area(&self, other: &RegionShape) -> f64 {
-        use RegionShape::{Circle, Polygon};
-        match (self, other) {
-            (Polygon(a), Polygon(b)) => polygon::overlap_area(a, b),
-            (Polygon(corners), Circle { center, radius })
-            | (Circle { center, radius }, Polygon(corners)) => {
-                circle::overlap_with_polygon(*center, *radius, corners)
-            }
-            (Circle { center: a, radius: r }, Circle { center: b, radius: s }) => {
-                circle::overlap_with_circle(distance(*a, *b), *r, *s)
-            }
-        }
-    }
-}
-
-fn distance(a: Point, b: Point) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1])
-}
 
 /// How far the soil reaches, and its crest.
 pub(super) struct Extent {

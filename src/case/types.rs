@@ -334,13 +334,7 @@ pub struct Region {
 }
 
 /// Outline of a region: the key `polygon` or the key `circle`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum RegionShape {
-    /// Corners in order, either way round (m).
-    Polygon(Vec<[f64; 2]>),
-    Circle { center: [f64; 2], radius: f64 },
-}
+pub use crate::math::outline::Outline as RegionShape;
 
 /// v = rate x (x - center) turned by 90 degrees, counter-clockwise positive.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

@@ -6,3 +6,4 @@ pub mod summary;
 
 pub use blocks::{Plateau, plateaus};
 pub use slide::SlideProbe;
+pub use summary::Measures;

@@ -1,5 +1,9 @@
 //! What a run leaves behind.
 
 pub mod atomic;
+pub mod folder;
+pub mod history;
+pub mod pictures;
 pub mod plot;
+pub mod record;
 pub mod vtk;

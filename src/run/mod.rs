@@ -58,6 +58,8 @@ pub struct Sample {
     pub energies: Energies,
     /// r (m), where the case has a crest.
     pub sliding_distance: Option<f64>,
+    /// Material points moved so far.
+    pub particle_steps: u64,
 }
 
 /// Watches a run. Every method has an empty default.
@@ -191,7 +193,7 @@ impl<'a> Loop<'a> {
         self.history.time.push(sim.time);
         self.history.distance.push(sliding_distance.unwrap_or(0.0));
         self.rest.note(sim.time, energies.nodal_kinetic, sliding_distance.unwrap_or(0.0));
-        Sample { time: sim.time, dt: sim.dt, energies, sliding_distance }
+        Sample { time: sim.time, dt: sim.dt, energies, sliding_distance, particle_steps: sim.work.particle_steps }
     }
 
     fn finished(&self, sim: &Simulation) -> Option<Status> {

@@ -7,8 +7,7 @@ use crate::{
     field::stream::{Purpose, Stream},
     kinematics::{Hencky, Rate, StrengthMeasure},
     material::{Columns, Elastic, Elasticity, Material, Strength, VonMises},
-    math::tensor::Voigt,
-    seed::Outline,
+    math::{outline::Outline, tensor::Voigt},
 };
 
 /// The law of a material with the case's strain measure. A new law is one line here.

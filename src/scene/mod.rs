@@ -12,7 +12,8 @@ use crate::{
     block::Law,
     body::{Body, GroupSeed, Seedling},
     case::{self, Case},
-    seed::{CutRule, Outline, Seeding, seed},
+    math::outline::Outline,
+    seed::{CutRule, Seeding, seed},
     sim::{InSitu, Simulation},
     space::{Grid, Linear, gauss},
     step::{
@@ -64,7 +65,7 @@ pub fn build(case: &Case, max_memory: u64) -> Result<Scene, SceneError> {
         return Err(too_large(need, max_memory));
     }
     let grid = grid(&case.grid)?;
-    let outlines: Vec<Outline> = case.region.iter().map(|r| outline(&r.shape)).collect();
+    let outlines: Vec<Outline> = case.region.iter().map(|r| r.shape.clone()).collect();
     let seeding = seed(&grid, &outlines, &positions(&case.points), cut_rule(case.points.cut_cells));
     if seeding.points.is_empty() {
         return Err(refuse("region", "no material point lies inside the regions".to_owned()));
@@ -106,13 +107,6 @@ fn grid(g: &case::Grid) -> Result<Grid, SceneError> {
         return Err(refuse("grid.cell", "the grid has more than 4e9 cells".to_owned()));
     }
     Ok(Grid { origin: g.origin, h: g.cell, cells: cells.map(|n| n as u32) })
-}
-
-fn outline(shape: &case::RegionShape) -> Outline {
-    match shape {
-        case::RegionShape::Polygon(corners) => Outline::Polygon(corners.clone()),
-        case::RegionShape::Circle { center, radius } => Outline::Circle { center: *center, radius: *radius },
-    }
 }
 
 fn positions(points: &case::Points) -> Vec<f64> {

@@ -1,0 +1,17 @@
+//! `rmpm explain`.
+
+use super::{Failure, input::CaseArgs};
+use crate::scene;
+
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    case: CaseArgs,
+}
+
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let (case, _) = args.case.read()?;
+    let scene = args.case.build(&case)?;
+    print!("{}", scene::explain(&scene));
+    Ok(())
+}

@@ -1,0 +1,61 @@
+//! The command line: arguments in, exit code out.
+
+mod check;
+mod exit;
+mod explain;
+mod input;
+mod new;
+mod plot;
+mod progress;
+mod solve;
+mod summary;
+
+use std::process::ExitCode;
+
+use clap::{CommandFactory, Parser, Subcommand};
+
+pub use exit::Failure;
+
+/// Slope failure with the random material point method.
+#[derive(Debug, Parser)]
+#[command(name = "rmpm", version, about, max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Debug, Subcommand)]
+enum Verb {
+    /// Write a commented case file to start from
+    New(new::Args),
+    /// Check a case file without running it
+    Check(check::Args),
+    /// List the effects of a case: on or off, why, and what each costs
+    Explain(explain::Args),
+    /// Run a case and leave record, history, frames and pictures in a folder
+    Solve(solve::Args),
+    /// Redraw the pictures of a run from its frames
+    Plot(plot::Args),
+    /// Print the completion script of a shell
+    Completions {
+        /// Which shell
+        shell: clap_complete::Shell,
+    },
+}
+
+/// Runs the program.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let done = match cli.verb {
+        Verb::New(args) => new::run(&args),
+        Verb::Check(args) => check::run(&args),
+        Verb::Explain(args) => explain::run(&args),
+        Verb::Solve(args) => solve::run(&args),
+        Verb::Plot(args) => plot::run(&args),
+        Verb::Completions { shell } => {
+            clap_complete::generate(shell, &mut Cli::command(), "rmpm", &mut std::io::stdout());
+            Ok(())
+        }
+    };
+    exit::code(done)
+}

@@ -1,0 +1,142 @@
+//! `rmpm solve`.
+
+use std::{
+    collections::BTreeMap,
+    path::PathBuf,
+    sync::atomic::{AtomicBool, Ordering},
+    time::{Duration, Instant},
+};
+
+use super::{Failure, input::CaseArgs, progress::Progress, summary};
+use crate::{
+    case::Case,
+    math::simd::FpPath,
+    output::{
+        folder::Folder,
+        pictures,
+        record::{Record, Timing, cpu_seconds, peak_memory, record},
+    },
+    run::{self, Limits, Observer, Sample},
+    scene::Scene,
+    snapshot::Snapshot,
+};
+
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    case: CaseArgs,
+    /// Folder for the results; out/<name of the case> without it
+    #[arg(long, short)]
+    out: Option<PathBuf>,
+    /// Integrator, in place of the case's `solver.scheme`
+    #[arg(long)]
+    scheme: Option<String>,
+    /// Print {record, timing} as JSON on standard output, and nothing else there
+    #[arg(long)]
+    json: bool,
+    /// Stop after this much wall time (s), keeping what was done
+    #[arg(long, value_name = "SECONDS")]
+    time_limit: Option<f64>,
+    /// Do not write frames (nor the pictures drawn from them)
+    #[arg(long)]
+    no_frames: bool,
+    /// No progress bar
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+/// Set by an interrupt (Ctrl-C, TERM).
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// Writes to the folder and shows the progress.
+struct Watch {
+    folder: Folder,
+    progress: Progress,
+}
+
+impl Observer for Watch {
+    fn sample(&mut self, sample: &Sample) -> std::io::Result<()> {
+        self.progress.show(sample);
+        self.folder.sample(sample)
+    }
+
+    fn frame(&mut self, snapshot: &Snapshot) -> std::io::Result<()> {
+        self.folder.frame(snapshot)
+    }
+
+    fn wants_frames(&self) -> bool {
+        self.folder.wants_frames()
+    }
+}
+
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let mut input = CaseArgs { case: args.case.case.clone(), set: args.case.set.clone(), ..args.case };
+    input.set.extend(args.scheme.iter().map(|s| format!("solver.scheme={s}")));
+    let time_limit = args.time_limit.map(limit).transpose()?;
+    let (case, source) = input.read()?;
+    let mut phases = BTreeMap::new();
+    let started = Instant::now();
+    let mut scene = input.build(&case)?;
+    phases.insert("setup".to_owned(), started.elapsed().as_secs_f64());
+    let out = args.out.clone().unwrap_or_else(|| default_out(&input));
+    let write = |e: std::io::Error| Failure::io(&out.display().to_string(), &e);
+    let folder = Folder::open(&out, &case.to_toml(), !args.no_frames).map_err(write)?;
+    // a second handler is refused; the first one serves as well
+    let _ = ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::Relaxed));
+    let mut watch = Watch { folder, progress: Progress::new(case.end.time, args.quiet) };
+    let limits = Limits { interrupt: Some(&INTERRUPTED), time_limit };
+    let (before, cpu_before) = (Instant::now(), cpu_seconds());
+    let outcome = run::run(&case, &mut scene, limits, &mut watch).map_err(write)?;
+    phases.insert("solve".to_owned(), before.elapsed().as_secs_f64());
+    let solve_cpu = cpu_seconds().zip(cpu_before).map(|(b, a)| b - a);
+    watch.progress.done();
+    let record = record(&case, &source, scene.effects.clone(), scene.simulation.work.clone(), &outcome);
+    let timing = finish(&case, &mut watch.folder, &record, &scene, started, phases, solve_cpu).map_err(write)?;
+    say(args, &record, &timing, &out.display().to_string());
+    Failure::of(outcome.status, &outcome.message).map_or(Ok(()), Err)
+}
+
+fn limit(seconds: f64) -> Result<Duration, Failure> {
+    Duration::try_from_secs_f64(seconds).map_err(|_| Failure::Input(format!("--time-limit {seconds} is no time")))
+}
+
+fn default_out(input: &CaseArgs) -> PathBuf {
+    PathBuf::from("out").join(input.case.file_stem().unwrap_or_default())
+}
+
+/// Record first, so that nothing that goes wrong later can lose it; then pictures and timing.
+fn finish(
+    case: &Case,
+    folder: &mut Folder,
+    record: &Record,
+    scene: &Scene,
+    started: Instant,
+    mut phases: BTreeMap<String, f64>,
+    solve_cpu: Option<f64>,
+) -> std::io::Result<Timing> {
+    folder.history.flush()?;
+    folder.write_json("record.json", record)?;
+    let before = Instant::now();
+    pictures::draw(folder.path(), case, &folder.history.rows, folder.frames())?;
+    phases.insert("pictures".to_owned(), before.elapsed().as_secs_f64());
+    let timing = Timing {
+        wall_s: started.elapsed().as_secs_f64(),
+        cpu_s: cpu_seconds(),
+        by_phase: phases,
+        threads: 1,
+        peak_memory_bytes: peak_memory(),
+        bytes_per_point: scene.simulation.body.bytes_per_point(),
+        particle_steps_per_cpu_s: solve_cpu.filter(|c| *c > 0.0).map(|c| record.work.particle_steps as f64 / c),
+        instruction_path: format!("{:?}", FpPath::best()).to_lowercase(),
+    };
+    folder.write_json("timing.json", &timing)?;
+    Ok(timing)
+}
+
+fn say(args: &Args, record: &Record, timing: &Timing, out: &str) {
+    if args.json {
+        println!("{}", serde_json::json!({ "record": record, "timing": timing }));
+    } else {
+        print!("{}", summary::text(record, timing, out));
+    }
+}

@@ -1,0 +1,60 @@
+//! The summary of a run for people.
+
+use std::fmt::Write;
+
+use crate::output::record::{Record, Timing};
+
+/// A few lines: what happened, the measures, the balances, the cost, the warnings.
+pub fn text(record: &Record, timing: &Timing, out: &str) -> String {
+    let mut s = String::new();
+    // writing to a string does not fail
+    let _ = header(&mut s, record);
+    let _ = slide(&mut s, record);
+    let _ = balances(&mut s, record);
+    let _ = cost(&mut s, record, timing);
+    for w in &record.warnings {
+        let _ = writeln!(s, "  note        {} (key `{}`)", w.text, w.key);
+    }
+    let _ = writeln!(s, "  left in     {out}");
+    s
+}
+
+fn header(s: &mut String, r: &Record) -> std::fmt::Result {
+    writeln!(s, "{}: {}", r.title, r.outcome.message)?;
+    let [elastic, unloading, softening, residual] = r.measures.stage_points;
+    writeln!(s, "  points      {} ({elastic} elastic, {unloading} unloading, {softening} softening, {residual} residual)", r.work.points)
+}
+
+fn slide(s: &mut String, r: &Record) -> std::fmt::Result {
+    let m = &r.measures;
+    let Some(distance) = m.sliding_distance_m else { return writeln!(s, "  run-out     {:.3} m", m.runout_m) };
+    let censored = if m.sliding_distance_censored { ", censored by the wall" } else { "" };
+    let plateaus: Vec<String> =
+        m.plateaus.iter().map(|p| format!("{:.2} m at {:.1} s", p.sliding_distance_m, p.from_s)).collect();
+    writeln!(s, "  slide       r = {distance:.2} m{censored}; {} blocks: {}", plateaus.len(), plateaus.join(", "))?;
+    let others: Vec<String> = m.sliding_distance_at.iter().map(|(k, v)| format!("{k}: {v:.2} m")).collect();
+    writeln!(s, "              r by threshold  {}", others.join(", "))?;
+    let volume = m.slide_volume_m3_per_m.unwrap_or(0.0);
+    writeln!(s, "              volume {volume:.1} m3/m, run-out {:.2} m", m.runout_m)
+}
+
+fn balances(s: &mut String, r: &Record) -> std::fmt::Result {
+    let e = &r.measures.energy_kj_per_m;
+    writeln!(
+        s,
+        "  energy      external {:.1} = kinetic {:.1} + elastic {:.1} + dissipated {:.1} + numerical {:.1} kJ/m",
+        e.external, e.kinetic, e.strain, e.dissipated, e.numerical
+    )?;
+    let [x, y] = r.measures.momentum_error;
+    writeln!(s, "  balances    mass {:.1e} relative; momentum {x:.1e}, {y:.1e} of weight x time", r.measures.mass_error)
+}
+
+fn cost(s: &mut String, r: &Record, t: &Timing) -> std::fmt::Result {
+    let rate = t.particle_steps_per_cpu_s.unwrap_or(f64::NAN) / 1e6;
+    let dt = r.dt_s.get("mean").and_then(serde_json::Value::as_f64).unwrap_or(f64::NAN);
+    writeln!(
+        s,
+        "  cost        {} steps of {:.2} ms, {} rejected; {:.1} s, {rate:.1} M particle-steps per CPU second, {:.0} bytes a point",
+        r.work.steps, 1e3 * dt, r.work.rejected_steps, t.wall_s, t.bytes_per_point
+    )
+}

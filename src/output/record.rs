@@ -1,0 +1,207 @@
+//! `record.json`, which is deterministic, and `timing.json`, which holds what is not.
+
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+
+use crate::{
+    case::{self, Case, Diagnostic},
+    fault::Fault,
+    math::simd::FpPath,
+    measure::summary::Measures,
+    run::{Outcome, Status},
+    scene::EffectNote,
+    work::Work,
+};
+
+/// Version of the names in the record. Names are only added; renaming one raises it.
+pub const SCHEMA_VERSION: u32 = 1;
+
+/// Everything a run came to.
+#[derive(Clone, Debug, Serialize)]
+pub struct Record {
+    pub schema_version: u32,
+    pub build: Build,
+    pub units: &'static str,
+    /// SHA-256 of the resolved case.
+    pub case_hash: String,
+    pub inputs: Vec<Input>,
+    /// The `--set` values of the command line.
+    pub overrides: Vec<String>,
+    pub title: String,
+    pub scheme: case::Scheme,
+    pub kinematics: case::Kinematics,
+    pub seed: u64,
+    pub effects: Vec<EffectNote>,
+    pub dt_s: Value,
+    pub outcome: Ending,
+    pub fault: Option<Value>,
+    pub warnings: Vec<Warning>,
+    pub measures: Measures,
+    pub work: Work,
+}
+
+/// The program that ran.
+#[derive(Clone, Debug, Serialize)]
+pub struct Build {
+    pub version: &'static str,
+    pub commit: &'static str,
+    pub rustc: &'static str,
+    pub fp_path: &'static str,
+}
+
+impl Build {
+    /// Of this program.
+    pub fn current() -> Self {
+        Build {
+            version: env!("CARGO_PKG_VERSION"),
+            commit: env!("RMPM_COMMIT"),
+            rustc: env!("RMPM_RUSTC"),
+            fp_path: FpPath::NAME,
+        }
+    }
+}
+
+/// A file that the run read.
+#[derive(Clone, Debug, Serialize)]
+pub struct Input {
+    pub path: String,
+    pub sha256: String,
+}
+
+/// How it ended.
+#[derive(Clone, Debug, Serialize)]
+pub struct Ending {
+    pub status: Status,
+    pub time_s: f64,
+    pub message: String,
+}
+
+/// What the user should know about the answer.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Warning {
+    pub code: String,
+    pub text: String,
+    /// The key of the case that it is about.
+    pub key: String,
+}
+
+impl Warning {
+    fn new(code: &str, key: &str, text: String) -> Self {
+        Warning { code: code.to_owned(), key: key.to_owned(), text }
+    }
+}
+
+/// Where a case came from.
+#[derive(Clone, Debug)]
+pub struct Source {
+    /// Path as it was typed.
+    pub path: String,
+    pub text: String,
+    pub overrides: Vec<String>,
+    pub warnings: Vec<Diagnostic>,
+}
+
+/// The record of a finished run.
+pub fn record(case: &Case, source: &Source, effects: Vec<EffectNote>, work: Work, outcome: &Outcome) -> Record {
+    let mut warnings: Vec<Warning> =
+        source.warnings.iter().map(|d| Warning::new("case", &d.key, d.message.clone())).collect();
+    warnings.extend(about(case, outcome));
+    Record {
+        schema_version: SCHEMA_VERSION,
+        build: Build::current(),
+        units: "kN, m, s, t",
+        case_hash: sha256(case.to_toml().as_bytes()),
+        inputs: vec![Input { path: source.path.clone(), sha256: sha256(source.text.as_bytes()) }],
+        overrides: source.overrides.clone(),
+        title: case.title.clone(),
+        scheme: case.solver.scheme,
+        kinematics: case.solver.kinematics,
+        seed: case.seed,
+        effects,
+        dt_s: json!({ "min": outcome.dt.min, "mean": outcome.dt.mean, "max": outcome.dt.max }),
+        outcome: Ending { status: outcome.status, time_s: outcome.time, message: outcome.message.clone() },
+        fault: outcome.fault.as_ref().map(fault_value),
+        warnings,
+        measures: outcome.measures.clone(),
+        work,
+    }
+}
+
+fn fault_value(fault: &Fault) -> Value {
+    let values: Map<String, Value> = fault.values.iter().map(|(k, v)| (k.clone(), json!(v))).collect();
+    json!({
+        "kind": fault.kind, "step": fault.step, "time_s": fault.time_s, "point": fault.point,
+        "node": fault.node, "x_m": fault.x_m, "values": values,
+    })
+}
+
+/// SHA-256 in hexadecimal.
+pub fn sha256(bytes: &[u8]) -> String {
+    use sha2::{Digest, Sha256};
+    Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
+}
+
+/// Where the model or the answer is to be taken with care.
+fn about(case: &Case, outcome: &Outcome) -> Vec<Warning> {
+    let m = &outcome.measures;
+    let mut w = Vec::new();
+    if case.material.values().any(|m| matches!(m, case::Material::VonMises { strength, .. } if strength.softening_modulus < 0.0)) {
+        w.push(Warning::new(
+            "mesh_dependent_softening",
+            "material",
+            "linear softening has no length scale: shear bands are one cell wide and r depends on grid.cell; compare meshes with `rmpm converge`".into(),
+        ));
+    }
+    if m.blocks.is_some_and(|b| b > 0) {
+        w.push(Warning::new(
+            "chance",
+            "jitter.strength",
+            "after failure the slope is chaotic: one r carries a chance part of about one block; give the median of jittered runs (`rmpm converge --runs`)".into(),
+        ));
+    }
+    if m.sliding_distance_censored {
+        w.push(Warning::new("censored", "slide.censored_above", "the slide has reached the wall: r is a lower bound".into()));
+    }
+    let e = &m.energy_kj_per_m;
+    if e.numerical.abs() > 0.05 * e.external.abs().max(1e-9) {
+        w.push(Warning::new(
+            "numerical_energy",
+            "explicit.courant",
+            format!("{:.1} % of the energy supplied is unaccounted for (numerical)", 100.0 * e.numerical / e.external),
+        ));
+    }
+    if outcome.status == Status::EndTime && case.end.at_rest && m.energy_kj_per_m.nodal_kinetic > 0.0 {
+        w.push(Warning::new("not_at_rest", "end.time", "the run ended before the body came to rest".into()));
+    }
+    w
+}
+
+/// What depends on the machine and the hour.
+#[derive(Clone, Debug, Serialize)]
+pub struct Timing {
+    pub wall_s: f64,
+    pub cpu_s: Option<f64>,
+    /// Seconds of wall time by part of the run.
+    pub by_phase: std::collections::BTreeMap<String, f64>,
+    pub threads: usize,
+    pub peak_memory_bytes: Option<u64>,
+    pub bytes_per_point: f64,
+    pub particle_steps_per_cpu_s: Option<f64>,
+    pub instruction_path: String,
+}
+
+/// CPU time of this process so far (s), where the system tells (Linux).
+pub fn cpu_seconds() -> Option<f64> {
+    // user and system time in clock ticks are fields 14 and 15, counted after the name in brackets
+    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
+    let mut fields = stat.rsplit(')').next()?.split_whitespace().skip(11);
+    let ticks: f64 = fields.next()?.parse::<f64>().ok()? + fields.next()?.parse::<f64>().ok()?;
+    Some(ticks / 100.0)
+}
+
+/// Largest resident memory of this process so far, where the system tells (Linux).
+pub fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
+    line.split_whitespace().next()?.parse::<u64>().ok().map(|kib| kib * 1024)
+}
