@@ -1,6 +1,7 @@
 //! The command line: arguments in, exit code out.
 
 mod check;
+mod converge;
 mod exit;
 mod explain;
 mod input;
@@ -34,6 +35,8 @@ enum Verb {
     Explain(explain::Args),
     /// Run a case and leave record, history, frames and pictures in a folder
     Solve(solve::Args),
+    /// How an answer depends on mesh, points or any key: median and spread of jittered runs
+    Converge(converge::Args),
     /// Redraw the pictures of a run from its frames
     Plot(plot::Args),
     /// Print the completion script of a shell
@@ -51,6 +54,7 @@ pub fn main() -> ExitCode {
         Verb::Check(args) => check::run(&args),
         Verb::Explain(args) => explain::run(&args),
         Verb::Solve(args) => solve::run(&args),
+        Verb::Converge(args) => converge::run(&args),
         Verb::Plot(args) => plot::run(&args),
         Verb::Completions { shell } => {
             clap_complete::generate(shell, &mut Cli::command(), "rmpm", &mut std::io::stdout());

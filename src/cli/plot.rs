@@ -46,7 +46,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         std::fs::create_dir_all(args.dir.join("pictures")).map_err(read)?;
         return pictures::draw(&args.dir, &case, &rows, &frames).map_err(read);
     };
-    let chosen = pictures::choose(&frames, &case.output.pictures);
+    let chosen = pictures::choose(&frames, &case.output.pictures, pictures::onset(&rows));
     let snapshots = pictures::load(&args.dir, &frames, &chosen).map_err(read)?;
     let views: Vec<&Snapshot> = snapshots.iter().collect();
     let mut options = pictures::options(&case, kind);

@@ -12,9 +12,9 @@ pub struct Plateau {
 }
 
 /// Plateaus of r(t) that last at least `hold` (s) and lie at least `length` (m) above the one
-/// before. The last value of r counts however long it lasted; r = 0 is no plateau. A plateau
-/// starts when r first comes within one `length` of it, so that the last column of a block to
-/// let go does not make a block of its own.
+/// before. The last value of r counts however long it lasted; r = 0 is no plateau. A
+/// plateau starts when r first comes within half a `length` of it; columns that let go later, by
+/// less than a `length`, belong to it.
 pub fn plateaus(time: &[f64], r: &[f64], hold: f64, length: f64) -> Vec<Plateau> {
     let mut found: Vec<Plateau> = Vec::new();
     let mut start = 0;
@@ -24,7 +24,8 @@ pub fn plateaus(time: &[f64], r: &[f64], hold: f64, length: f64) -> Vec<Plateau>
         }
         let until = if i < r.len() { time[i] } else { f64::INFINITY };
         if r[start] > 0.0 && until - time[start] >= hold {
-            push(&mut found, time[start], r[start], length);
+            let near = r.iter().position(|v| *v > r[start] - 0.5 * length).unwrap_or(start);
+            push(&mut found, time[near], r[start], length);
         }
         start = i;
     }

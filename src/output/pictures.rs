@@ -13,17 +13,21 @@ use crate::{
     snapshot::Snapshot,
 };
 
-/// Frames nearest to the wanted times, in order and without repeats. Without wanted times: six,
-/// spread evenly between the first displacement and the end.
-pub fn choose(frames: &[(f64, String)], wanted: &[f64]) -> Vec<usize> {
-    let Some(last) = frames.len().checked_sub(1) else { return Vec::new() };
-    let mut chosen: Vec<usize> = if wanted.is_empty() {
-        (0..6).map(|k| (last * k).div_ceil(5)).collect()
-    } else {
-        wanted.iter().filter_map(|t| nearest(frames, *t)).collect()
-    };
+/// Frames nearest to the wanted times, in order and without repeats. Without wanted times: the
+/// first, and five spread evenly from the onset to the end.
+pub fn choose(frames: &[(f64, String)], wanted: &[f64], onset: f64) -> Vec<usize> {
+    let end = frames.last().map_or(0.0, |(t, _)| *t);
+    let usual = std::iter::once(0.0).chain((0..5).map(|k| onset + (end - onset) * f64::from(k) / 4.0));
+    let wanted: Vec<f64> = if wanted.is_empty() { usual.collect() } else { wanted.to_vec() };
+    let mut chosen: Vec<usize> = wanted.iter().filter_map(|t| nearest(frames, *t)).collect();
     chosen.dedup();
     chosen
+}
+
+/// When the soil gets going (s): the kinetic energy first exceeds a tenth of its largest value.
+pub fn onset(rows: &[Sample]) -> f64 {
+    let peak = rows.iter().map(|s| s.energies.kinetic).fold(0.0, f64::max);
+    rows.iter().find(|s| s.energies.kinetic > 0.1 * peak).map_or(0.0, |s| s.time)
 }
 
 fn nearest(frames: &[(f64, String)], time: f64) -> Option<usize> {
@@ -52,7 +56,7 @@ pub fn options(case: &Case, kind: FieldKind) -> FieldOptions {
 
 /// The whole set: shape by plastic strain, strength and stage; r(t); energies.
 pub fn draw(folder: &Path, case: &Case, rows: &[Sample], frames: &[(f64, String)]) -> io::Result<()> {
-    let snapshots = load(folder, frames, &choose(frames, &case.output.pictures))?;
+    let snapshots = load(folder, frames, &choose(frames, &case.output.pictures, onset(rows)))?;
     let views: Vec<&Snapshot> = snapshots.iter().collect();
     let to = |name: &str| folder.join("pictures").join(name);
     let strong = snapshots.iter().any(|s| s.strength.iter().any(|c| c.is_finite()));

@@ -1,1 +1,4 @@
 //! Studies: many runs to answer one question.
+
+pub mod converge;
+pub mod variant;
