@@ -66,14 +66,16 @@ impl Friction {
         }
     }
 
-    /// The mapped velocity keeps what the contact has decided: no way into the side, and none
-    /// along it where the node sticks. No impulse is booked: this velocity strains, it does not move.
+    /// The mapped velocity keeps what the contact has decided: a closed node does not strain its
+    /// cells across the side, and a sticking one not along it. (Clipping only velocities into the
+    /// side would keep the outward half of the noise: a column at rest then stretches at its base
+    /// and gains energy without end.) No impulse is booked: this velocity strains, it moves nothing.
     fn remap(&self, nodes: &mut Nodes) {
         let (n, t, inward) = (self.side.axis(), 1 - self.side.axis(), self.side.inward());
         for (k, contact) in self.contact.iter().enumerate() {
             let s = nodes.side(self.side)[k] as usize;
             let v = velocity_of(nodes, Pass::Remap);
-            if v[n][s] * inward < 0.0 || !self.separation {
+            if *contact != Contact::Open || v[n][s] * inward < 0.0 {
                 v[n][s] = 0.0;
             }
             if *contact == Contact::Stick {

@@ -150,7 +150,7 @@ impl<'a> Loop<'a> {
         Loop {
             case,
             probe,
-            rest: Rest::default(),
+            rest: Rest { cell: case.grid.cell, ..Rest::default() },
             history: SlideHistory::default(),
             displacement: vec![[0.0; 2]; reference.len()],
             dt: StepRange { min: f64::INFINITY, mean: 0.0, max: 0.0 },
@@ -257,9 +257,11 @@ fn message(status: Status, fault: Option<&Fault>, time: f64) -> String {
     }
 }
 
-/// The test for rest.
+/// The test for rest. r counts as unchanged within one cell: a point that vibrates about the
+/// threshold moves r by a column or two.
 #[derive(Clone, Copy, Debug, Default)]
 struct Rest {
+    cell: f64,
     peak: f64,
     now: f64,
     distance: f64,
@@ -270,7 +272,7 @@ impl Rest {
     fn note(&mut self, time: f64, kinetic: f64, distance: f64) {
         self.peak = self.peak.max(kinetic);
         self.now = kinetic;
-        if distance != self.distance {
+        if (distance - self.distance).abs() > self.cell * (1.0 + 1e-9) {
             self.distance = distance;
             self.changed = time;
         }
