@@ -125,5 +125,12 @@ fn profile(args: &[String]) {
     let clock = Clock::start();
     advance(&mut sim, steps);
     let rate = (steps * sim.body.len()) as f64 * 1e-6 / clock.seconds();
-    println!("{rate:.2} million particle-steps per second, sorts {}", sim.work.sorts);
+    println!("{rate:.2} million particle-steps per second, sorts {}, bits {:016x}", sim.work.sorts, bits(&sim));
+}
+
+/// A hash (FNV-1a) of the positions and velocities: equal for equal bits.
+fn bits(sim: &Simulation) -> u64 {
+    let s = sim.snapshot();
+    let values = s.position.iter().chain(&s.velocity).flatten();
+    values.fold(0xcbf2_9ce4_8422_2325, |hash, v| (hash ^ v.to_bits()).wrapping_mul(0x0100_0000_01b3))
 }

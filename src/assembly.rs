@@ -28,7 +28,7 @@ pub struct Scratch<const N: usize> {
     pub mass: Lanes,
     pub volume: Lanes,
     /// Nodal values spread to the points: component, node of the patch, point.
-    pub nodal: [Patch<N>; 4],
+    pub nodal: [Spread<N>; 4],
     /// Contributions of the points: component, node of the patch, point.
     pub shares: [Patch<N>; 5],
 }
@@ -44,6 +44,19 @@ pub struct Columns2(pub [Lane; 2]);
 /// One lane for each node of a patch, aligned.
 #[repr(align(64))]
 pub struct Patch<const N: usize>(pub [Lane; N]);
+
+/// Points written at a time when nodal values are spread.
+const STRIP: usize = 4;
+
+/// A patch with room for one strip more.
+#[repr(align(64))]
+pub struct Spread<const N: usize>(pub [[f64; LANES + STRIP]; N]);
+
+impl<const N: usize> Default for Spread<N> {
+    fn default() -> Self {
+        Spread([[0.0; LANES + STRIP]; N])
+    }
+}
 
 impl Default for Lanes {
     fn default() -> Self {
@@ -77,7 +90,7 @@ pub fn place<S: Shape<N>, const N: usize>(s: &mut Scratch<N>, body: &Body, nodes
 #[inline(always)]
 pub fn spread<const N: usize, const C: usize>(
     stencil: &Stencil<N>,
-    nodal: &mut [Patch<N>; 4],
+    nodal: &mut [Spread<N>; 4],
     nodes: &Nodes,
     offsets: &[u32; N],
     columns: [&[f64]; C],
@@ -86,10 +99,13 @@ pub fn spread<const N: usize, const C: usize>(
         let slots = nodes.find(run.base, offsets);
         for (c, column) in columns.iter().enumerate() {
             let values: [f64; N] = std::array::from_fn(|k| column[slots[k]]);
-            for i in run.start as usize..(run.end as usize).min(LANES) {
+            // whole vectors: what is written past the run belongs to the next one, which follows
+            let mut i = run.start as usize % LANES;
+            while i < (run.end as usize).min(LANES) {
                 for k in 0..N {
-                    nodal[c].0[k][i] = values[k];
+                    nodal[c].0[k][i..i + STRIP].copy_from_slice(&[values[k]; STRIP]);
                 }
+                i += STRIP;
             }
         }
     }

@@ -51,19 +51,25 @@ impl<const N: usize> Stencil<N> {
     /// Finds the runs among the first `len` points.
     #[inline(always)]
     pub fn find_runs(&mut self, len: usize) {
-        let len = len.min(LANES);
-        let mut count = 0;
+        let mut ends = self.ends(len);
+        self.count = ends.count_ones() as usize;
         let mut start = 0;
-        while start < len {
-            let base = self.base[start];
-            let mut end = start + 1;
-            while end < len && self.base[end] == base {
-                end += 1;
-            }
-            self.runs[count] = Run { base, start: start as u32, end: end as u32 };
-            count += 1;
-            start = end;
+        for run in &mut self.runs[..self.count.min(LANES)] {
+            let last = ends.trailing_zeros();
+            *run = Run { base: self.base[start as usize % LANES], start, end: last + 1 };
+            start = last + 1;
+            ends &= ends.wrapping_sub(1);
         }
-        self.count = count;
+    }
+
+    /// Bit i is set where point i is the last of its run.
+    #[inline(always)]
+    fn ends(&self, len: usize) -> u32 {
+        let mut bits = 0;
+        for i in 0..LANES - 1 {
+            bits |= u32::from(self.base[i] != self.base[i + 1]) << i;
+        }
+        let last = 1u32 << (len.clamp(1, LANES) - 1);
+        if len == 0 { 0 } else { (bits & (last - 1)) | last }
     }
 }
