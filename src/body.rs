@@ -214,18 +214,6 @@ impl Body {
         sum
     }
 
-    /// Largest wave speed plus particle speed (m/s), and the largest particle speed.
-    pub fn speeds(&self) -> (f64, f64) {
-        let (mut wave, mut particle) = (0.0f64, 0.0f64);
-        self.for_each(|group, block, lane, i| {
-            let density = self.mass[i] / (self.volume[i] * self.committed.jacobian[i]);
-            wave = wave.max(group.law.wave_speed(block, lane, density));
-            let (x, y) = (self.committed.v[0][i], self.committed.v[1][i]);
-            particle = particle.max(x.hypot(y));
-        });
-        (wave, particle)
-    }
-
     /// Visits every point with its group, its block, its lane and its index.
     pub fn for_each(&self, mut visit: impl FnMut(&Group, &Block, usize, usize)) {
         let mut block = Box::<Block>::default();

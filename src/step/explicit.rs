@@ -1,11 +1,11 @@
 //! The explicit integrator of Sulsky & Schreyer (1996): lumped mass, stresses updated last.
 
 use crate::{
-    assembly::{Scatter, Scratch, Strain},
-    body::{Body, chunks},
+    assembly::{Scatter, Scratch, Strain, place},
+    body::{Body, chunks, load_varying, set_uniform},
     effect::{Clock, Effect, Pass},
     fault::Fault,
-    math::simd::FpPath,
+    math::simd::{FpPath, Kernel},
     nodes::Nodes,
     space::{Grid, Shape},
     step::{Books, Integrator},
@@ -63,6 +63,9 @@ struct NodeBalance {
     stiffness: Vec<f64>,
     squares: Vec<f64>,
     mass: Vec<f64>,
+    /// Fastest compression wave (m/s), and the square of the fastest point.
+    wave: f64,
+    particle_squared: f64,
 }
 
 impl<S: Shape<N>, const N: usize> Explicit<S, N> {
@@ -205,9 +208,9 @@ impl<S: Shape<N>, const N: usize> Integrator for Explicit<S, N> {
     ///   kappa_i = sum(V M |grad N_i|^2) sum(N_i^2 m) / m_i^2 for MUSL (mapping to the points and
     ///   back weighs the force by N), sum(V M |grad N_i|^2) / m_i for USL.
     fn stable_dt(&mut self, body: &Body) -> Option<f64> {
-        let (wave, particle) = body.speeds();
-        let courant = self.nodes.grid.h / (wave + particle);
         let kappa = self.largest_kappa(body);
+        let speed = self.balance.wave + self.balance.particle_squared.sqrt();
+        let courant = self.nodes.grid.h / speed;
         Some(self.settings.courant * courant.min(2.0 / kappa.sqrt()))
     }
 
@@ -252,7 +255,7 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
     fn largest_kappa(&mut self, body: &Body) -> f64 {
         self.nodes.begin();
         let n = self.collect_balance(body);
-        let NodeBalance { stiffness, squares, mass } = self.balance.as_ref();
+        let NodeBalance { stiffness, squares, mass, .. } = self.balance.as_ref();
         let floor = self.settings.mass_floor * body.total_mass() / body.len().max(1) as f64;
         let kappa = |i: usize| match self.settings.stress_update {
             StressUpdate::Musl => stiffness[i] * squares[i] / (mass[i] * mass[i]),
@@ -263,28 +266,76 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
 
     /// Sums V M |grad N|^2, N^2 m and N m on the nodes.
     fn collect_balance(&mut self, body: &Body) -> usize {
-        let offsets = S::offsets(self.nodes.grid.row());
-        let mut stencil = Box::<crate::space::Stencil<N>>::default();
-        let Explicit { nodes, balance, .. } = self;
-        let b = balance.as_mut();
-        [&mut b.stiffness, &mut b.squares, &mut b.mass].into_iter().for_each(|c| c.fill(0.0));
-        body.for_each(|group, block, lane, i| {
-            let (x, y) = ([body.committed.x[0][i]; 32], [body.committed.x[1][i]; 32]);
-            S::fill(&nodes.grid, &x, &y, &mut stencil);
-            let volume = body.volume[i] * body.committed.jacobian[i];
-            let c = group.law.wave_speed(block, lane, body.mass[i] / volume);
-            let slots = nodes.patch(stencil.base[0], &offsets);
-            for k in 0..N {
-                let s = slots[k];
-                if s >= b.mass.len() {
-                    [&mut b.stiffness, &mut b.squares, &mut b.mass].into_iter().for_each(|v| v.resize(s + 256, 0.0));
-                }
-                let (w, gx, gy) = (stencil.weight[k][0], stencil.grad[0][k][0], stencil.grad[1][k][0]);
-                b.stiffness[s] += body.mass[i] * c * c * (gx * gx + gy * gy);
-                b.squares[s] += w * w * body.mass[i];
-                b.mass[s] += w * body.mass[i];
-            }
-        });
+        let Explicit { nodes, balance, scratch, path, .. } = self;
+        path.run(Balance::<S, N> { scratch: scratch.as_mut(), body, nodes, balance: balance.as_mut(), shape: std::marker::PhantomData });
         nodes.count
+    }
+}
+
+/// The sums of [`NodeBalance`], and the fastest wave and point of the body.
+struct Balance<'a, S, const N: usize> {
+    scratch: &'a mut Scratch<N>,
+    body: &'a Body,
+    nodes: &'a mut Nodes,
+    balance: &'a mut NodeBalance,
+    shape: std::marker::PhantomData<S>,
+}
+
+impl<S: Shape<N>, const N: usize> Kernel for Balance<'_, S, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Balance { scratch: s, body, nodes, balance: b, .. } = self;
+        let offsets = S::offsets(nodes.grid.row());
+        b.begin();
+        for group in &body.groups {
+            set_uniform(&mut s.block, group);
+            for range in chunks(group.range.clone()) {
+                place::<S, N>(s, body, nodes, &range);
+                load_varying(&mut s.block, group, &range);
+                for run in s.stencil.runs() {
+                    let slots = nodes.patch(run.base, &offsets);
+                    b.reach(nodes.count);
+                    for lane in run.start as usize..run.end as usize {
+                        let i = range.start + lane;
+                        let (mass, [vx, vy]) = (body.mass[i], [body.committed.v[0][i], body.committed.v[1][i]]);
+                        let density = mass / (body.volume[i] * body.committed.jacobian[i]);
+                        let c = group.law.wave_speed(&s.block, lane, density);
+                        b.wave = b.wave.max(c);
+                        b.particle_squared = b.particle_squared.max(vx * vx + vy * vy);
+                        for k in 0..N {
+                            let (w, gx, gy) =
+                                (s.stencil.weight[k][lane], s.stencil.grad[0][k][lane], s.stencil.grad[1][k][lane]);
+                            b.stiffness[slots[k]] += mass * c * c * (gx * gx + gy * gy);
+                            b.squares[slots[k]] += w * w * mass;
+                            b.mass[slots[k]] += w * mass;
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl NodeBalance {
+    fn begin(&mut self) {
+        [&mut self.stiffness, &mut self.squares, &mut self.mass].into_iter().for_each(|c| c.fill(0.0));
+        (self.wave, self.particle_squared) = (0.0, 0.0);
+    }
+
+    /// Makes room for `n` nodes.
+    #[inline(always)]
+    fn reach(&mut self, n: usize) {
+        if n > self.mass.len() {
+            self.grow(n);
+        }
+    }
+
+    /// A quarter more than is needed, as the nodes' columns do.
+    #[cold]
+    fn grow(&mut self, n: usize) {
+        let n = (n + n / 4).max(256);
+        [&mut self.stiffness, &mut self.squares, &mut self.mass].into_iter().for_each(|c| c.resize(n, 0.0));
     }
 }
