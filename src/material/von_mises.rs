@@ -95,21 +95,26 @@ impl Material for VonMises {
     #[inline(always)]
     fn update(&self, p: &Strength, s: &PlasticStrain, trial: Voigt, factor: f64) -> Update<PlasticStrain> {
         let g = p.elasticity.shear_modulus;
-        let third = trial.trace() / 3.0;
+        let third = trial.trace() * (1.0 / 3.0);
         let dev = trial - Voigt::diagonal(third);
         let q = 2.0 * g * (1.5 * dev.dot(dev)).sqrt();
         let kf = p.yield_constant * factor;
-        let c = p.cohesion_at(s.0);
+        let on_line = p.cohesion + p.softening_modulus * s.0;
+        let c = if p.past_residual(on_line) { p.residual_cohesion } else { on_line };
         let over = q - kf * c;
-        let sloping = over / (3.0 * g + kf * p.softening_modulus);
-        let flat = (q - kf * p.residual_cohesion) / (3.0 * g);
-        let past = p.past_residual(p.cohesion + p.softening_modulus * (s.0 + sloping));
-        let plastic = if past { flat } else { sloping };
-        let flow = if over > 0.0 { plastic } else { 0.0 };
-        let scale = if over > 0.0 { 1.0 - 3.0 * g * flow / q } else { 1.0 };
+        let stiffness = 3.0 * g + kf * p.softening_modulus;
+        // where the sloping line ends, times the stiffness: no division for it
+        let gap = (on_line - p.residual_cohesion) * stiffness + p.softening_modulus * over;
+        let past = (gap * p.softening_modulus >= 0.0) & (p.softening_modulus != 0.0);
+        let (excess, slope) = if past { (q - kf * p.residual_cohesion, 3.0 * g) } else { (over, stiffness) };
+        let yields = over > 0.0;
+        // one division gives flow and flow / q
+        let inverse = 1.0 / (slope * q);
+        let flow = if yields { excess * (q * inverse) } else { 0.0 };
+        let scale = if yields { 1.0 - 3.0 * g * (excess * inverse) } else { 1.0 };
         let pressure = 3.0 * p.elasticity.bulk_modulus * third;
         let elastic = dev * scale;
-        let strain = if over > 0.0 { elastic + Voigt::diagonal(third) } else { trial };
+        let strain = if yields { elastic + Voigt::diagonal(third) } else { trial };
         Update {
             stress: elastic * (2.0 * g) + Voigt::diagonal(pressure),
             strain,

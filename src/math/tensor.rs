@@ -142,9 +142,8 @@ fn atanhc_series(y: f64) -> f64 {
 
 /// ln(1 + u) = 2 atanh(z) with z = u / (2 + u), |u| <= `VOLUME_BOUND`.
 #[inline(always)]
-fn log1p_series(u: f64) -> f64 {
+fn log1p_series(z: f64) -> f64 {
     const C: [f64; 6] = [2.0, 2.0 / 3.0, 2.0 / 5.0, 2.0 / 7.0, 2.0 / 9.0, 2.0 / 11.0];
-    let z = u / (2.0 + u);
     z * horner(&C, z * z)
 }
 
@@ -169,7 +168,8 @@ fn ratio(x: f64, f: fn(f64) -> f64) -> f64 {
 trait Functions {
     fn tanhc(x: f64) -> f64;
     fn atanhc(y: f64) -> f64;
-    fn log1p(u: f64) -> f64;
+    /// ln(1 + u); z = u / (2 + u).
+    fn log1p(u: f64, z: f64) -> f64;
 }
 
 struct Series;
@@ -185,8 +185,8 @@ impl Functions for Series {
         atanhc_series(y)
     }
     #[inline(always)]
-    fn log1p(u: f64) -> f64 {
-        log1p_series(u)
+    fn log1p(_: f64, z: f64) -> f64 {
+        log1p_series(z)
     }
 }
 
@@ -197,7 +197,7 @@ impl Functions for Library {
     fn atanhc(y: f64) -> f64 {
         ratio(y, f64::atanh)
     }
-    fn log1p(u: f64) -> f64 {
+    fn log1p(u: f64, _: f64) -> f64 {
         u.ln_1p()
     }
 }
@@ -227,11 +227,13 @@ fn closed_form<F: Functions>(e: Voigt, du: Gradient) -> LogStrainStep {
     let bxy = g11 * fc + g12 * fd;
     let m = 0.5 * (bxx + byy);
     let dev = 0.5 * (bxx - byy);
-    let im = 1.0 / m;
+    let u = du.xx + du.yy + (du.xx * du.yy - du.xy * du.yx);
+    // one division for 1 / m and for u / (2 + u)
+    let inverse = 1.0 / (m * (2.0 + u));
+    let (im, z) = (inverse * (2.0 + u), (inverse * m) * u);
     let (rx, ry) = (dev * im, bxy * im);
     let y = rx * rx + ry * ry;
-    let u = du.xx + du.yy + (du.xx * du.yy - du.xy * du.yx);
-    let iso = 0.5 * (e.xx + e.yy + F::log1p(u));
+    let iso = 0.5 * (e.xx + e.yy + F::log1p(u, z));
     let k = 0.5 * F::atanhc(y);
     LogStrainStep {
         strain: Voigt::new(iso + k * rx, iso - k * rx, e.zz, k * ry),
