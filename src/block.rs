@@ -207,9 +207,17 @@ impl<M: Material, K: Kinematics> Kernel for UpdateKernel<'_, M, K> {
     fn run(self) -> Self::Output {
         let (law, b) = (self.law, self.block);
         let before = (b.strain, b.state, b.jacobian);
+        // two short loops overlap better in the processor than one long one
+        let mut volume = [0.0; LANES];
+        let mut inside = [0.0; LANES];
         for i in 0..LANES {
             let trial = K::trial(b.strain(i), b.du(i));
-            law.point(b, i, trial);
+            b.set_strain(i, trial.strain);
+            volume[i] = trial.jacobian;
+            inside[i] = if trial.inside { 1.0 } else { 0.0 };
+        }
+        for i in 0..LANES {
+            law.point(b, i, Trial { strain: b.strain(i), jacobian: volume[i], inside: inside[i] > 0.0 });
         }
         let sound: f64 = b.sound[..b.len].iter().fold(1.0, |a, &v| if v < a { v } else { a });
         if sound > 0.0 {
