@@ -14,7 +14,7 @@ use crate::{
     nodes::Nodes,
     space::{
         Shape, Stencil,
-        stencil::{LANES, Lane},
+        stencil::{LANES, Lane, Run},
     },
 };
 
@@ -111,13 +111,16 @@ pub fn spread<const N: usize, const C: usize>(
     }
 }
 
-/// Adds the shares of the points of each run to the columns of its nodes.
+/// Adds the shares of the points of a run, component by node of the patch: one loop for all
+/// components, since its length is hard to predict.
 #[inline(always)]
-pub fn collect<const N: usize>(share: &Patch<N>, start: u32, end: u32) -> [f64; N] {
-    let mut sum = [0.0; N];
-    for i in start as usize..(end as usize).min(LANES) {
-        for k in 0..N {
-            sum[k] += share.0[k][i];
+pub fn collect<const N: usize, const C: usize>(shares: &[Patch<N>], run: Run) -> [[f64; N]; C] {
+    let mut sum = [[0.0; N]; C];
+    for i in run.start as usize..(run.end as usize).min(LANES) {
+        for c in 0..C {
+            for k in 0..N {
+                sum[c][k] += shares[c].0[k][i];
+            }
         }
     }
     sum
@@ -162,7 +165,8 @@ impl<S: Shape<N>, const N: usize> Kernel for Scatter<'_, S, N> {
                 for r in 0..s.stencil.runs().len() {
                     let run = s.stencil.runs()[r];
                     let slots = nodes.patch(run.base, &offsets);
-                    let [m, px, py, fx, fy] = std::array::from_fn(|c| collect(&s.shares[c], run.start, run.end));
+                    let [m, px, py] = collect(&s.shares[..3], run);
+                    let [fx, fy] = collect(&s.shares[3..], run);
                     deposit(&mut nodes.mass, &slots, m);
                     deposit(&mut nodes.momentum[0], &slots, px);
                     deposit(&mut nodes.momentum[1], &slots, py);

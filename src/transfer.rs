@@ -113,7 +113,8 @@ fn remap<const N: usize>(s: &mut Scratch<N>, nodes: &mut Nodes, offsets: &[u32; 
     }
     for run in s.stencil.runs() {
         let slots = nodes.find(run.base, offsets);
-        deposit(&mut nodes.momentum[0], &slots, collect(&s.shares[0], run.start, run.end));
-        deposit(&mut nodes.momentum[1], &slots, collect(&s.shares[1], run.start, run.end));
+        let [px, py] = collect(&s.shares[..2], *run);
+        deposit(&mut nodes.momentum[0], &slots, px);
+        deposit(&mut nodes.momentum[1], &slots, py);
     }
 }
