@@ -27,6 +27,8 @@ pub struct Nodes {
     /// Active nodes on each side of the grid, in the order of [`Side::ALL`].
     sides: [Vec<u32>; 4],
     slot: Vec<u32>,
+    /// ceil(2^64 / nodes in a row).
+    row_inverse: u64,
     growths: u64,
     high_water: usize,
 }
@@ -46,6 +48,7 @@ impl Nodes {
             strain_velocity: Default::default(),
             sides: Default::default(),
             slot: vec![NONE; grid.nodes()],
+            row_inverse: u64::MAX / u64::from(grid.row()) + 1,
             growths: 0,
             high_water: 0,
         }
@@ -93,11 +96,19 @@ impl Nodes {
         self.slot[node as usize] = s as u32;
         self.count += 1;
         self.high_water = self.high_water.max(self.count);
-        let place = self.grid.node_place(node);
+        let place = self.place(node);
         if place[0] == 0 || place[1] == 0 || place[0] == self.grid.cells[0] || place[1] == self.grid.cells[1] {
             self.note_sides(s as u32, place);
         }
         s
+    }
+
+    /// Column and row of a node, without a division: floor(node / row) is the high word of
+    /// node x ceil(2^64 / row), exact for 32-bit numbers (Lemire, Kaser & Kurz 2019).
+    #[inline(always)]
+    fn place(&self, node: u32) -> [u32; 2] {
+        let y = ((u128::from(self.row_inverse) * u128::from(node)) >> 64) as u32;
+        [node - y * self.grid.row(), y]
     }
 
     fn note_sides(&mut self, s: u32, place: [u32; 2]) {
