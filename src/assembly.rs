@@ -14,7 +14,7 @@ use crate::{
     nodes::Nodes,
     space::{
         Shape, Stencil,
-        stencil::{LANES, Lane, Run},
+        stencil::{LANES, Lane},
     },
 };
 
@@ -29,8 +29,56 @@ pub struct Scratch<const N: usize> {
     pub volume: Lanes,
     /// Nodal values spread to the points: component, node of the patch, point.
     pub nodal: [Spread<N>; 4],
+    /// The runs of the body in this step.
+    pub runs: BodyRuns<N>,
     /// Contributions of the points: component, node of the patch, point.
     pub shares: [Patch<N>; 5],
+}
+
+/// The runs of equal nodes of a whole body: found once a step, by [`Scatter`], and read by every
+/// later pass of it.
+#[derive(Default)]
+pub struct BodyRuns<const N: usize> {
+    runs: Vec<RunPatch<N>>,
+    /// One past the last run of each block.
+    ends: Vec<u32>,
+}
+
+/// A run of points with equal nodes, and the active numbers of these nodes.
+#[derive(Clone, Copy, Debug)]
+pub struct RunPatch<const N: usize> {
+    /// First lane, and one past the last.
+    pub start: u32,
+    pub end: u32,
+    pub slots: [u32; N],
+}
+
+impl<const N: usize> BodyRuns<N> {
+    /// Forgets the runs of the last step. There is room for the worst case, which costs no
+    /// memory until it is used.
+    fn begin(&mut self, points: usize) {
+        self.runs.clear();
+        self.ends.clear();
+        self.runs.reserve(points);
+        self.ends.reserve(points);
+    }
+
+    /// Runs in all.
+    pub fn len(&self) -> usize {
+        self.runs.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.runs.is_empty()
+    }
+
+    /// The runs of block `b`.
+    #[inline(always)]
+    pub fn of(&self, b: usize) -> &[RunPatch<N>] {
+        let first = if b == 0 { 0 } else { self.ends[b - 1] };
+        &self.runs[first as usize..self.ends[b] as usize]
+    }
 }
 
 /// One lane, aligned.
@@ -83,20 +131,17 @@ pub fn place<S: Shape<N>, const N: usize>(s: &mut Scratch<N>, body: &Body, nodes
         load(&mut s.x.0[axis], &body.committed.x[axis], range);
     }
     S::fill(&nodes.grid, &s.x.0[0], &s.x.0[1], &mut s.stencil);
-    s.stencil.find_runs(range.len());
 }
 
 /// Spreads nodal columns to the points of the block.
 #[inline(always)]
 pub fn spread<const N: usize, const C: usize>(
-    stencil: &Stencil<N>,
+    patches: &[RunPatch<N>],
     nodal: &mut [Spread<N>; 4],
-    nodes: &Nodes,
-    offsets: &[u32; N],
     columns: [&[f64]; C],
 ) {
-    for run in stencil.runs() {
-        let slots = nodes.find(run.base, offsets);
+    for run in patches {
+        let slots = run.slots.map(|s| s as usize);
         for (c, column) in columns.iter().enumerate() {
             let values: [f64; N] = std::array::from_fn(|k| column[slots[k]]);
             // whole vectors: what is written past the run belongs to the next one, which follows
@@ -114,7 +159,7 @@ pub fn spread<const N: usize, const C: usize>(
 /// Adds the shares of the points of a run, component by node of the patch: one loop for all
 /// components, since its length is hard to predict.
 #[inline(always)]
-pub fn collect<const N: usize, const C: usize>(shares: &[Patch<N>], run: Run) -> [[f64; N]; C] {
+pub fn collect<const N: usize, const C: usize>(shares: &[Patch<N>], run: &RunPatch<N>) -> [[f64; N]; C] {
     let mut sum = [[0.0; N]; C];
     for i in run.start as usize..(run.end as usize).min(LANES) {
         for c in 0..C {
@@ -141,8 +186,6 @@ pub struct Scatter<'a, S, const N: usize> {
     pub scratch: &'a mut Scratch<N>,
     pub body: &'a Body,
     pub nodes: &'a mut Nodes,
-    /// Runs of points with equal nodes, counted: the measure of how well the points are sorted.
-    pub runs: &'a mut u64,
     pub shape: S,
 }
 
@@ -151,8 +194,9 @@ impl<S: Shape<N>, const N: usize> Kernel for Scatter<'_, S, N> {
 
     #[inline(always)]
     fn run(self) {
-        let Scatter { scratch: s, body, nodes, runs, .. } = self;
+        let Scatter { scratch: s, body, nodes, .. } = self;
         let offsets = S::offsets(nodes.grid.row());
+        s.runs.begin(body.len());
         for group in &body.groups {
             set_uniform(&mut s.block, group);
             for range in chunks(group.range.clone()) {
@@ -161,18 +205,20 @@ impl<S: Shape<N>, const N: usize> Kernel for Scatter<'_, S, N> {
                 group.law.stress(&mut s.block);
                 load_motion(s, body, &range);
                 shares(s);
-                *runs += s.stencil.runs().len() as u64;
-                for r in 0..s.stencil.runs().len() {
-                    let run = s.stencil.runs()[r];
+                s.stencil.find_runs(range.len());
+                for run in s.stencil.runs() {
                     let slots = nodes.patch(run.base, &offsets);
-                    let [m, px, py] = collect(&s.shares[..3], run);
-                    let [fx, fy] = collect(&s.shares[3..], run);
+                    let run = RunPatch { start: run.start, end: run.end, slots: slots.map(|s| s as u32) };
+                    s.runs.runs.push(run);
+                    let [m, px, py] = collect(&s.shares[..3], &run);
+                    let [fx, fy] = collect(&s.shares[3..], &run);
                     deposit(&mut nodes.mass, &slots, m);
                     deposit(&mut nodes.momentum[0], &slots, px);
                     deposit(&mut nodes.momentum[1], &slots, py);
                     deposit(&mut nodes.force[0], &slots, fx);
                     deposit(&mut nodes.force[1], &slots, fy);
                 }
+                s.runs.ends.push(s.runs.runs.len() as u32);
             }
         }
     }
@@ -224,14 +270,14 @@ impl<S: Shape<N>, const N: usize> Kernel for Strain<'_, S, N> {
     #[inline(always)]
     fn run(self) -> Self::Output {
         let Strain { scratch: s, body, nodes, dt, .. } = self;
-        let offsets = S::offsets(nodes.grid.row());
         let [vx, vy] = &nodes.strain_velocity;
-        let mut plastic_work = 0.0;
+        let (mut plastic_work, mut block) = (0.0, 0);
         for g in 0..body.groups.len() {
             set_uniform(&mut s.block, &body.groups[g]);
             for range in chunks(body.groups[g].range.clone()) {
                 place::<S, N>(s, body, nodes, &range);
-                spread(&s.stencil, &mut s.nodal, nodes, &offsets, [vx, vy]);
+                spread(s.runs.of(block), &mut s.nodal, [vx, vy]);
+                block += 1;
                 gradient(s, dt);
                 load_point_state(&mut s.block, &body.groups[g], body, &range);
                 if let Err(fault) = body.groups[g].law.update(&mut s.block) {

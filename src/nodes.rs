@@ -81,12 +81,6 @@ impl Nodes {
         slots
     }
 
-    /// As [`Nodes::patch`], for nodes that are active already.
-    #[inline(always)]
-    pub fn find<const N: usize>(&self, base: u32, offsets: &[u32; N]) -> [usize; N] {
-        std::array::from_fn(|k| self.slot[(base + offsets[k]) as usize] as usize)
-    }
-
     fn activate(&mut self, node: u32) -> usize {
         let s = self.count;
         if s == self.id.len() {

@@ -34,12 +34,12 @@ impl<S: Shape<N>, const N: usize, const REMAP: bool> Kernel for Push<'_, S, N, R
     fn run(self) -> Self::Output {
         let Push { scratch: s, body, nodes, dt, pic, .. } = self;
         let grid = nodes.grid;
-        let offsets = S::offsets(grid.row());
+        let mut block = 0;
         for g in 0..body.groups.len() {
             for range in chunks(body.groups[g].range.clone()) {
                 place::<S, N>(s, body, nodes, &range);
                 let ([vx, vy], [ox, oy]) = (&nodes.velocity, &nodes.old_velocity);
-                spread(&s.stencil, &mut s.nodal, nodes, &offsets, [vx, vy, ox, oy]);
+                spread(s.runs.of(block), &mut s.nodal, [vx, vy, ox, oy]);
                 for axis in 0..2 {
                     load(&mut s.v.0[axis], &body.committed.v[axis], &range);
                 }
@@ -53,8 +53,9 @@ impl<S: Shape<N>, const N: usize, const REMAP: bool> Kernel for Push<'_, S, N, R
                 }
                 if REMAP {
                     load(&mut s.mass.0, &body.mass, &range);
-                    remap(s, nodes, &offsets);
+                    remap(s, nodes, block);
                 }
+                block += 1;
             }
         }
         Ok(())
@@ -102,7 +103,7 @@ fn departure<const N: usize>(s: &Scratch<N>, body: &Body, grid: &Grid, range: &R
 }
 
 #[inline(always)]
-fn remap<const N: usize>(s: &mut Scratch<N>, nodes: &mut Nodes, offsets: &[u32; N]) {
+fn remap<const N: usize>(s: &mut Scratch<N>, nodes: &mut Nodes, block: usize) {
     let [px, py, ..] = &mut s.shares;
     for i in 0..LANES {
         let (mvx, mvy) = (s.mass.0[i] * s.v.0[0][i], s.mass.0[i] * s.v.0[1][i]);
@@ -111,9 +112,9 @@ fn remap<const N: usize>(s: &mut Scratch<N>, nodes: &mut Nodes, offsets: &[u32; 
             py.0[k][i] = s.stencil.weight[k][i] * mvy;
         }
     }
-    for run in s.stencil.runs() {
-        let slots = nodes.find(run.base, offsets);
-        let [px, py] = collect(&s.shares[..2], *run);
+    for run in s.runs.of(block) {
+        let slots = run.slots.map(|s| s as usize);
+        let [px, py] = collect(&s.shares[..2], run);
         deposit(&mut nodes.momentum[0], &slots, px);
         deposit(&mut nodes.momentum[1], &slots, py);
     }

@@ -107,10 +107,9 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
 
     fn scatter(&mut self, body: &Body) -> u64 {
         self.nodes.begin();
-        let mut runs = 0;
         let Explicit { scratch, nodes, shape, path, .. } = self;
-        path.run(Scatter { scratch: scratch.as_mut(), body, nodes, runs: &mut runs, shape: *shape });
-        runs
+        path.run(Scatter { scratch: scratch.as_mut(), body, nodes, shape: *shape });
+        self.scratch.runs.len() as u64
     }
 
     /// v = p / m at the start, forces, v += dt f / m, supports.
@@ -294,6 +293,7 @@ impl<S: Shape<N>, const N: usize> Kernel for Balance<'_, S, N> {
             for range in chunks(group.range.clone()) {
                 place::<S, N>(s, body, nodes, &range);
                 load_varying(&mut s.block, group, &range);
+                s.stencil.find_runs(range.len());
                 for run in s.stencil.runs() {
                     let slots = nodes.patch(run.base, &offsets);
                     b.reach(nodes.count);
