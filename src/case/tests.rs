@@ -50,7 +50,7 @@ fn keys_left_out_have_the_documented_defaults() {
     };
     assert_eq!(case.explicit, explicit);
     assert_eq!(case.gravity.schedule, GravitySchedule::Ramp { ramp_time: 5.0 });
-    assert_eq!(case.output, Output { history: 0.02, frames: 0.25, pictures: vec![] });
+    assert_eq!(case.output, Output { history: 0.05, frames: 0.25, pictures: vec![] });
     assert_eq!((case.end.at_rest, case.end.rest_energy, case.end.rest_hold), (true, 1e-3, 4.0));
     assert_eq!((case.boundary.left, case.slide), (Side::Free, None));
     let Some(Material::VonMises { strength, .. }) = case.material.get("clay") else {

@@ -1,6 +1,6 @@
 //! Damping of the motion: local (Cundall) and viscous.
 
-use super::{Clock, Effect, Ledger, Stages, Totals};
+use super::{Clock, Effect, Ledger, Stages};
 use crate::nodes::Nodes;
 
 /// f_i -= a |f_i| sign(v_i) on each component, f_i being the out-of-balance force.
@@ -52,12 +52,12 @@ impl Effect for LocalDamping {
         }
     }
 
-    fn ledger(&mut self) -> &mut Ledger {
-        &mut self.ledger
+    fn ledger(&self) -> &Ledger {
+        &self.ledger
     }
 
-    fn totals(&self) -> Totals {
-        self.ledger.totals()
+    fn ledger_mut(&mut self) -> &mut Ledger {
+        &mut self.ledger
     }
 }
 
@@ -98,11 +98,11 @@ impl Effect for ViscousDamping {
         }
     }
 
-    fn ledger(&mut self) -> &mut Ledger {
-        &mut self.ledger
+    fn ledger(&self) -> &Ledger {
+        &self.ledger
     }
 
-    fn totals(&self) -> Totals {
-        self.ledger.totals()
+    fn ledger_mut(&mut self) -> &mut Ledger {
+        &mut self.ledger
     }
 }

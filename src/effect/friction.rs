@@ -1,6 +1,6 @@
 //! Coulomb friction at the nodes of a side (Bandara & Soga 2015): |f_t| <= mu f_n.
 
-use super::{Clock, Effect, Ledger, Pass, Stages, Totals, velocity_of};
+use super::{Clock, Effect, Ledger, Pass, Stages, velocity_of};
 use crate::{nodes::Nodes, space::grid::Side};
 
 /// Frictional side of the grid.
@@ -101,12 +101,12 @@ impl Effect for Friction {
         }
     }
 
-    fn ledger(&mut self) -> &mut Ledger {
-        &mut self.ledger
+    fn ledger(&self) -> &Ledger {
+        &self.ledger
     }
 
-    fn totals(&self) -> Totals {
-        self.ledger.totals()
+    fn ledger_mut(&mut self) -> &mut Ledger {
+        &mut self.ledger
     }
 }
 

@@ -1,6 +1,6 @@
 //! Gravity with its history.
 
-use super::{Clock, Effect, Ledger, Stages, Totals};
+use super::{Clock, Effect, Ledger, Stages};
 use crate::nodes::Nodes;
 
 /// History of gravity, as factors on its components along and normal to the base.
@@ -83,12 +83,12 @@ impl Effect for Gravity {
         }
     }
 
-    fn ledger(&mut self) -> &mut Ledger {
-        &mut self.ledger
+    fn ledger(&self) -> &Ledger {
+        &self.ledger
     }
 
-    fn totals(&self) -> Totals {
-        self.ledger.totals()
+    fn ledger_mut(&mut self) -> &mut Ledger {
+        &mut self.ledger
     }
 }
 

@@ -104,10 +104,10 @@ pub trait Effect: Send {
     fn account(&mut self, _nodes: &Nodes, _clock: Clock) {}
 
     /// Its books.
-    fn ledger(&mut self) -> &mut Ledger;
+    fn ledger(&self) -> &Ledger;
 
-    /// Totals of the accepted steps.
-    fn totals(&self) -> Totals;
+    /// Its books, to write in.
+    fn ledger_mut(&mut self) -> &mut Ledger;
 }
 
 /// The velocity columns that a pass constrains.

@@ -1,6 +1,6 @@
 //! Rollers and fixed sides.
 
-use super::{Clock, Effect, Ledger, Pass, Stages, Totals, velocity_of};
+use super::{Clock, Effect, Ledger, Pass, Stages, velocity_of};
 use crate::{nodes::Nodes, space::grid::Side};
 
 /// Holds the velocity on one side of the grid: across it (roller) or altogether (fixed).
@@ -51,11 +51,11 @@ impl Effect for Support {
         }
     }
 
-    fn ledger(&mut self) -> &mut Ledger {
-        &mut self.ledger
+    fn ledger(&self) -> &Ledger {
+        &self.ledger
     }
 
-    fn totals(&self) -> Totals {
-        self.ledger.totals()
+    fn ledger_mut(&mut self) -> &mut Ledger {
+        &mut self.ledger
     }
 }

@@ -14,7 +14,7 @@ pub struct Plateau {
 /// Plateaus of r(t) that last at least `hold` (s) and lie at least `length` (m) above the one
 /// before. The last value of r counts however long it lasted; r = 0 is no plateau. A
 /// plateau starts when r first comes within half a `length` of it; columns that let go later, by
-/// less than a `length`, belong to it.
+/// less than a `length`, belong to it, and r of the block is the last of them.
 pub fn plateaus(time: &[f64], r: &[f64], hold: f64, length: f64) -> Vec<Plateau> {
     let mut found: Vec<Plateau> = Vec::new();
     let mut start = 0;
@@ -35,7 +35,7 @@ pub fn plateaus(time: &[f64], r: &[f64], hold: f64, length: f64) -> Vec<Plateau>
 fn push(found: &mut Vec<Plateau>, from_s: f64, sliding_distance_m: f64, length: f64) {
     match found.last_mut() {
         Some(last) if sliding_distance_m - last.sliding_distance_m < length => {
-            last.sliding_distance_m = sliding_distance_m.max(last.sliding_distance_m);
+            last.sliding_distance_m = sliding_distance_m;
         }
         _ => found.push(Plateau { from_s, sliding_distance_m }),
     }

@@ -24,13 +24,17 @@ pub fn build(case: &Case) -> Vec<Box<dyn Effect>> {
     effects
 }
 
-/// The four sides with their supports.
-pub fn sides(case: &Case) -> impl Iterator<Item = (Side, &case::Side)> {
+/// The four sides with their supports. A smooth side that cannot open is a roller.
+pub fn sides(case: &Case) -> impl Iterator<Item = (Side, case::Side)> {
     let b = &case.boundary;
-    Side::ALL.into_iter().zip([&b.left, &b.right, &b.base, &b.top])
+    let plain = |kind| match kind {
+        case::Side::Friction { coefficient: 0.0, separation: false } => case::Side::Roller,
+        other => other,
+    };
+    Side::ALL.into_iter().zip([b.left, b.right, b.base, b.top].map(plain))
 }
 
-fn hold(side: Side, kind: &case::Side) -> Option<Box<dyn Effect>> {
+fn hold(side: Side, kind: case::Side) -> Option<Box<dyn Effect>> {
     match kind {
         case::Side::Roller => Some(Box::new(Support::roller(side))),
         case::Side::Fixed => Some(Box::new(Support::fixed(side))),
@@ -38,16 +42,12 @@ fn hold(side: Side, kind: &case::Side) -> Option<Box<dyn Effect>> {
     }
 }
 
-/// Friction. A smooth side that cannot open is a roller and is built as one.
-fn rub(side: Side, kind: &case::Side) -> Option<Box<dyn Effect>> {
-    match *kind {
-        case::Side::Friction { coefficient, separation: false } if coefficient == 0.0 => {
-            Some(Box::new(Support::roller(side)))
-        }
+fn rub(side: Side, kind: case::Side) -> Option<Box<dyn Effect>> {
+    match kind {
         case::Side::Friction { coefficient, separation } => {
             Some(Box::new(Friction::new(side, coefficient, separation)))
         }
-        _ => None,
+        case::Side::Free | case::Side::Roller | case::Side::Fixed => None,
     }
 }
 

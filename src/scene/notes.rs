@@ -105,7 +105,7 @@ fn support(case: &Case) -> EffectNote {
 
 fn friction(case: &Case) -> EffectNote {
     let side = sides(case).find_map(|(s, k)| match k {
-        case::Side::Friction { coefficient, .. } => Some((s, *coefficient)),
+        case::Side::Friction { coefficient, .. } => Some((s, coefficient)),
         _ => None,
     });
     match side {

@@ -115,7 +115,7 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
     /// v = p / m at the start, forces, v += dt f / m, supports.
     fn update_nodes(&mut self, clock: Clock, mean_mass: f64, work: &mut Work) -> [f64; 2] {
         let Explicit { nodes, effects, lists, .. } = self;
-        effects.iter_mut().for_each(|e| e.ledger().begin());
+        effects.iter_mut().for_each(|e| e.ledger_mut().begin());
         divide(&mut nodes.old_velocity, &nodes.momentum, &nodes.mass, nodes.count);
         lists.force.iter().for_each(|&e| effects[e].force(nodes, clock));
         let floor = accelerate(nodes, clock.dt, self.settings.mass_floor * mean_mass);
@@ -159,7 +159,7 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
 
     fn commit(&mut self, body: &mut Body, plastic: f64, floor: [f64; 2], work: &mut Work) {
         body.commit();
-        self.effects.iter_mut().for_each(|e| e.ledger().commit());
+        self.effects.iter_mut().for_each(|e| e.ledger_mut().commit());
         self.plastic += plastic;
         self.floor_impulse[0] += floor[0];
         self.floor_impulse[1] += floor[1];
@@ -234,7 +234,7 @@ impl<S: Shape<N>, const N: usize> Integrator for Explicit<S, N> {
         let mut books = Books { plastic: self.plastic, ..Books::default() };
         books.effects.impulse = self.floor_impulse;
         for effect in &self.effects {
-            let totals = effect.totals();
+            let totals = effect.ledger().totals();
             books.effects.add(&totals);
             match effect.name() {
                 "friction" => books.friction += totals.dissipated,

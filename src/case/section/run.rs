@@ -36,7 +36,7 @@ pub(super) fn end(root: &mut Keys<'_>) -> Option<End> {
 /// Reads `[output]`.
 pub(super) fn output(root: &mut Keys<'_>) -> Option<Output> {
     let mut keys = root.section("output")?;
-    let history = keys.or("history", 0.02, |c| c.number(INTERVAL));
+    let history = keys.or("history", 0.05, |c| c.number(INTERVAL));
     let frames = keys.or("frames", 0.25, |c| c.number(INTERVAL));
     let pictures = keys.or("pictures", Vec::new(), |c| c.numbers(DURATION));
     keys.finish();

@@ -1,0 +1,44 @@
+//! `rmpm validate`.
+
+use std::path::PathBuf;
+
+use super::Failure;
+use crate::{
+    output::{
+        folder,
+        record::{Build, SCHEMA_VERSION},
+    },
+    study::validate::{self, Effort},
+};
+
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Problems to run; all without a name
+    names: Vec<String>,
+    /// Fine grids and all sizes: minutes instead of seconds
+    #[arg(long)]
+    full: bool,
+    /// Folder for validate.json
+    #[arg(long, short, default_value = "out/validate")]
+    out: PathBuf,
+    /// Print the reports as JSON on standard output, and nothing else there
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let write = |e: std::io::Error| Failure::io(&args.out.display().to_string(), &e);
+    let _lock = folder::claim(&args.out).map_err(write)?;
+    let effort = if args.full { Effort::Full } else { Effort::Short };
+    let reports = validate::run(&args.names, effort).map_err(Failure::Input)?;
+    let all = serde_json::json!({ "schema_version": SCHEMA_VERSION, "build": Build::current(), "problems": reports });
+    let json = serde_json::to_string_pretty(&all).map_err(|e| write(e.into()))?;
+    folder::write_text(&args.out.join("validate.json"), &(json.clone() + "\n")).map_err(write)?;
+    if args.json {
+        println!("{json}");
+    } else {
+        print!("{}", validate::table(&reports));
+    }
+    let failed: Vec<&str> = reports.iter().filter(|r| !r.pass()).map(|r| r.name.as_str()).collect();
+    if failed.is_empty() { Ok(()) } else { Err(Failure::Solver(format!("failed: {}", failed.join(", ")))) }
+}
