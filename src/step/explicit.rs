@@ -7,7 +7,7 @@ use crate::{
     fault::Fault,
     math::simd::{FpPath, Kernel},
     nodes::Nodes,
-    space::{Grid, Shape},
+    space::{Grid, Shape, Stencil},
     step::{Books, Integrator},
     transfer::Push,
     work::Work,
@@ -117,8 +117,9 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
         let Explicit { nodes, effects, lists, .. } = self;
         effects.iter_mut().for_each(|e| e.ledger_mut().begin());
         divide(&mut nodes.old_velocity, &nodes.momentum, &nodes.mass, nodes.count);
+        let floor = withhold(nodes, clock.dt, self.settings.mass_floor * mean_mass);
         lists.force.iter().for_each(|&e| effects[e].force(nodes, clock));
-        let floor = accelerate(nodes, clock.dt, self.settings.mass_floor * mean_mass);
+        accelerate(nodes, clock.dt);
         lists.constrain.iter().for_each(|&e| effects[e].constrain(nodes, Pass::Update, clock));
         lists.account.iter().for_each(|&e| effects[e].account(nodes, clock));
         work.effect_calls += (lists.force.len() + lists.constrain.len() + lists.account.len()) as u64;
@@ -182,30 +183,48 @@ fn divide(out: &mut [Vec<f64>; 2], momentum: &[Vec<f64>; 2], mass: &[f64], n: us
     }
 }
 
-/// v = v_old + dt f / max(m, floor); the impulse that a floor holds back is returned.
-fn accelerate(nodes: &mut Nodes, dt: f64, floor: f64) -> [f64; 2] {
+/// Internal forces on nodes lighter than `floor` are scaled by m / floor: the node is accelerated
+/// as if it had the mass of the floor. Forces that go with the mass, such as weight, come later
+/// and act in full, so that a falling body falls alike everywhere. The impulse that is held back
+/// is returned.
+fn withhold(nodes: &mut Nodes, dt: f64, floor: f64) -> [f64; 2] {
     let n = nodes.count;
     let mut held = [0.0; 2];
-    for axis in 0..2 {
-        let columns = nodes.force[axis][..n].iter().zip(&nodes.mass[..n]).zip(&nodes.old_velocity[axis][..n]);
-        for (v, ((f, &m), old)) in nodes.velocity[axis][..n].iter_mut().zip(columns) {
-            *v = old + dt * f / m.max(floor);
-        }
-        if floor > 0.0 {
-            let columns = nodes.force[axis][..n].iter().zip(&nodes.mass[..n]);
-            held[axis] = columns.map(|(f, m)| -dt * f * (1.0 - m / m.max(floor))).sum();
+    if floor > 0.0 {
+        for axis in 0..2 {
+            for (f, &m) in nodes.force[axis][..n].iter_mut().zip(&nodes.mass[..n]) {
+                let kept = *f * (m / m.max(floor));
+                held[axis] -= dt * (*f - kept);
+                *f = kept;
+            }
         }
     }
     held
 }
 
+/// v = v_old + dt f / m.
+fn accelerate(nodes: &mut Nodes, dt: f64) {
+    let n = nodes.count;
+    for axis in 0..2 {
+        let columns = nodes.force[axis][..n].iter().zip(&nodes.mass[..n]).zip(&nodes.old_velocity[axis][..n]);
+        for (v, ((f, &m), old)) in nodes.velocity[axis][..n].iter_mut().zip(columns) {
+            *v = old + dt * f / m;
+        }
+    }
+}
+
 impl<S: Shape<N>, const N: usize> Integrator for Explicit<S, N> {
     /// `courant` times the smaller of
     /// - h / (c + |v|), and
-    /// - 2 / sqrt(max kappa_i), kappa_i an estimate of the largest eigenvalue at node i, which
-    ///   light and unevenly loaded nodes raise:
-    ///   kappa_i = sum(V M |grad N_i|^2) sum(N_i^2 m) / m_i^2 for MUSL (mapping to the points and
-    ///   back weighs the force by N), sum(V M |grad N_i|^2) / m_i for USL.
+    /// - 2 / sqrt(max kappa_i), which light and unevenly loaded nodes lower:
+    ///   MUSL: kappa_i = sum(V M |grad N_i|^2) sum(N_i^2 m) / m_i^2, the diagonal of the step's
+    ///   operator (mapping to the points and back weighs the force by N);
+    ///   USL: kappa_i = 2 sum(V M |grad N_i| sum_j |grad N_j|) / m_i, twice a row sum of M^-1 K
+    ///   and so no less than twice its largest eigenvalue. Twice, because FLIP keeps less
+    ///   velocity than USL strains with: a mode that it does not keep at all is stable only to
+    ///   sqrt(2 / lambda).
+    ///
+    /// The validation problem `courant` holds both against the exact limit.
     fn stable_dt(&mut self, body: &Body) -> Option<f64> {
         let kappa = self.largest_kappa(body);
         let speed = self.balance.wave + self.balance.particle_squared.sqrt();
@@ -258,15 +277,16 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
         let floor = self.settings.mass_floor * body.total_mass() / body.len().max(1) as f64;
         let kappa = |i: usize| match self.settings.stress_update {
             StressUpdate::Musl => stiffness[i] * squares[i] / (mass[i] * mass[i]),
-            StressUpdate::Usl => stiffness[i] / mass[i].max(floor),
+            StressUpdate::Usl => 2.0 * stiffness[i] / mass[i].max(floor),
         };
         (0..n).map(kappa).fold(0.0, f64::max)
     }
 
-    /// Sums V M |grad N|^2, N^2 m and N m on the nodes.
+    /// Sums of stiffness (see [`Integrator::stable_dt`]), N^2 m and N m on the nodes.
     fn collect_balance(&mut self, body: &Body) -> usize {
-        let Explicit { nodes, balance, scratch, path, .. } = self;
-        path.run(Balance::<S, N> { scratch: scratch.as_mut(), body, nodes, balance: balance.as_mut(), shape: std::marker::PhantomData });
+        let Explicit { nodes, balance, scratch, path, settings, shape, .. } = self;
+        let (rows, balance, shape) = (settings.stress_update == StressUpdate::Usl, balance.as_mut(), *shape);
+        path.run(Balance { scratch: scratch.as_mut(), body, nodes, balance, rows, shape });
         nodes.count
     }
 }
@@ -277,7 +297,9 @@ struct Balance<'a, S, const N: usize> {
     body: &'a Body,
     nodes: &'a mut Nodes,
     balance: &'a mut NodeBalance,
-    shape: std::marker::PhantomData<S>,
+    /// Row sums of the stiffness instead of its diagonal (USL).
+    rows: bool,
+    shape: S,
 }
 
 impl<S: Shape<N>, const N: usize> Kernel for Balance<'_, S, N> {
@@ -285,7 +307,7 @@ impl<S: Shape<N>, const N: usize> Kernel for Balance<'_, S, N> {
 
     #[inline(always)]
     fn run(self) {
-        let Balance { scratch: s, body, nodes, balance: b, .. } = self;
+        let Balance { scratch: s, body, nodes, balance: b, rows, .. } = self;
         let offsets = S::offsets(nodes.grid.row());
         b.begin();
         for group in &body.groups {
@@ -304,13 +326,7 @@ impl<S: Shape<N>, const N: usize> Kernel for Balance<'_, S, N> {
                         let c = group.law.wave_speed(&s.block, lane, density);
                         b.wave = b.wave.max(c);
                         b.particle_squared = b.particle_squared.max(vx * vx + vy * vy);
-                        for k in 0..N {
-                            let (w, gx, gy) =
-                                (s.stencil.weight[k][lane], s.stencil.grad[0][k][lane], s.stencil.grad[1][k][lane]);
-                            b.stiffness[slots[k]] += mass * c * c * (gx * gx + gy * gy);
-                            b.squares[slots[k]] += w * w * mass;
-                            b.mass[slots[k]] += w * mass;
-                        }
+                        b.add(&slots, &s.stencil, lane, mass, mass * c * c, rows);
                     }
                 }
             }
@@ -322,6 +338,32 @@ impl NodeBalance {
     fn begin(&mut self) {
         [&mut self.stiffness, &mut self.squares, &mut self.mass].into_iter().for_each(|c| c.fill(0.0));
         (self.wave, self.particle_squared) = (0.0, 0.0);
+    }
+
+    /// Adds one point; `stiffness` is V M = m c^2.
+    #[inline(always)]
+    fn add<const N: usize>(
+        &mut self,
+        slots: &[usize; N],
+        stencil: &Stencil<N>,
+        lane: usize,
+        mass: f64,
+        stiffness: f64,
+        rows: bool,
+    ) {
+        let mut length = [0.0; N];
+        let mut sum = 0.0;
+        for k in 0..N {
+            let (gx, gy) = (stencil.grad[0][k][lane], stencil.grad[1][k][lane]);
+            length[k] = (gx * gx + gy * gy).sqrt();
+            sum += length[k];
+        }
+        for k in 0..N {
+            let w = stencil.weight[k][lane];
+            self.stiffness[slots[k]] += stiffness * length[k] * if rows { sum } else { length[k] };
+            self.squares[slots[k]] += w * w * mass;
+            self.mass[slots[k]] += w * mass;
+        }
     }
 
     /// Makes room for `n` nodes.
