@@ -1,5 +1,7 @@
 //! The explicit integrator of Sulsky & Schreyer (1996): lumped mass, stresses updated last.
 
+use std::marker::PhantomData;
+
 use crate::{
     assembly::{Scatter, Scratch, Strain, place},
     body::{Body, chunks, load_varying, set_uniform},
@@ -284,9 +286,9 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
 
     /// Sums of stiffness (see [`Integrator::stable_dt`]), N^2 m and N m on the nodes.
     fn collect_balance(&mut self, body: &Body) -> usize {
-        let Explicit { nodes, balance, scratch, path, settings, shape, .. } = self;
-        let (rows, balance, shape) = (settings.stress_update == StressUpdate::Usl, balance.as_mut(), *shape);
-        path.run(Balance { scratch: scratch.as_mut(), body, nodes, balance, rows, shape });
+        let Explicit { nodes, balance, scratch, path, settings, .. } = self;
+        let (rows, balance) = (settings.stress_update == StressUpdate::Usl, balance.as_mut());
+        path.run(Balance::<S, N> { scratch: scratch.as_mut(), body, nodes, balance, rows, shape: PhantomData });
         nodes.count
     }
 }
@@ -299,7 +301,7 @@ struct Balance<'a, S, const N: usize> {
     balance: &'a mut NodeBalance,
     /// Row sums of the stiffness instead of its diagonal (USL).
     rows: bool,
-    shape: S,
+    shape: PhantomData<S>,
 }
 
 impl<S: Shape<N>, const N: usize> Kernel for Balance<'_, S, N> {
