@@ -50,6 +50,8 @@ impl Friction {
 
     fn update(&mut self, nodes: &mut Nodes, dt: f64) {
         self.contact.clear();
+        // room for every node of the side, once
+        self.contact.reserve(nodes.grid.cells[1 - self.side.axis()] as usize + 1);
         let (n, t, inward) = (self.side.axis(), 1 - self.side.axis(), self.side.inward());
         for k in 0..nodes.side(self.side).len() {
             let s = nodes.side(self.side)[k] as usize;

@@ -1,0 +1,188 @@
+//! A scene without an effect executes the instructions of code that never had it.
+//!
+//! The elastic slope on smooth supports is stepped by the library, from its case, and by a loop
+//! written out below: the same public kernels, but gravity and rollers in place, no list of
+//! effects, no books, no control of the time step. Instructions are counted by valgrind
+//! (callgrind) in processes of their own, over N and 2 N steps: the difference is N steps without
+//! what comes before and after. The counts may differ by 2 %. Below are the counts of the whole
+//! slope and of the scalar loop, and what each effect adds.
+//!
+//! `cargo bench --bench absent`; without valgrind it says so and passes.
+
+mod common;
+mod scalar;
+
+use std::process::{Command, ExitCode};
+
+use common::{SLOPE, advance, simulation};
+use rmpm::{
+    assembly::{Scatter, Scratch, Strain},
+    body::Body,
+    math::simd::FpPath,
+    nodes::Nodes,
+    space::{Grid, Linear, grid::Side},
+    transfer::Push,
+};
+use scalar::{Hencky, Law, Rate, Scalar};
+
+/// Largest relative difference between scene and written-out loop.
+const ALLOWED: f64 = 0.02;
+const DT: f64 = 0.004;
+/// Steps of the short run; the long one has twice as many.
+const STEPS: usize = 150;
+
+/// The slope without strength, friction, damping, and PIC.
+const BARE: [&str; 7] = [
+    "grid.cell=0.5",
+    "gravity.schedule=at_once",
+    "explicit.time_step=0.004",
+    "explicit.pic_rate=0",
+    "boundary.base=roller",
+    "boundary.left=roller",
+    "material.clay.law=elastic",
+];
+/// The slope as it is, with gravity at once.
+const WHOLE: [&str; 3] = ["grid.cell=0.5", "gravity.schedule=at_once", "explicit.time_step=0.004"];
+
+/// What can be counted: a name and the overrides of the case; without overrides, a loop.
+const SCENES: [(&str, &[&str], &[&str]); 8] = [
+    ("bare", &BARE, &[]),
+    ("bare + local damping", &BARE, &["damping.local=1e-9"]),
+    ("bare + viscous damping", &BARE, &["damping.viscous=1e-9"]),
+    ("bare + fixed right side", &BARE, &["boundary.right=fixed"]),
+    ("whole slope", &WHOLE, &[]),
+    ("whole, rate law", &WHOLE, &["solver.kinematics=rate"]),
+    ("whole, jittered strength", &WHOLE, &["jitter.strength=0.0005"]),
+    ("whole, automatic step", &["grid.cell=0.5", "gravity.schedule=at_once"], &[]),
+];
+const LOOPS: [&str; 3] = ["written out", "scalar hencky", "scalar rate"];
+
+fn main() -> ExitCode {
+    let args: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
+    match args.as_slice() {
+        [flag, name, steps] if flag == "--count" => {
+            work(name, steps.parse().unwrap_or(STEPS));
+            ExitCode::SUCCESS
+        }
+        _ => compare(),
+    }
+}
+
+/// The work that is counted.
+fn work(name: &str, steps: usize) {
+    match name {
+        "written out" => written_out(steps),
+        "scalar hencky" => scalar_loop::<Hencky>(steps),
+        "scalar rate" => scalar_loop::<Rate>(steps),
+        _ => {
+            let (_, keys, more) = SCENES.iter().find(|(n, ..)| *n == name).expect("a scene of that name");
+            advance(&mut simulation(SLOPE, &[*keys, *more].concat()), steps);
+        }
+    }
+}
+
+fn scalar_loop<L: Law>(steps: usize) {
+    let mut slope = Scalar::<L>::paper_slope(0.5, 2);
+    slope.ramp = 0.0;
+    slope.pic_rate = 0.5;
+    for _ in 0..steps {
+        slope.step(DT);
+    }
+}
+
+/// The bare slope without the library's lists: what a program would be that has nothing else.
+fn written_out(steps: usize) {
+    // the body of the scene, which is stepped by hand
+    let mut body = simulation(SLOPE, &BARE).body;
+    let grid = Grid { origin: [0.0, 0.0], h: 0.5, cells: [120, 14] };
+    let mut nodes = Nodes::new(grid);
+    let mut scratch = Box::<Scratch<4>>::default();
+    for _ in 0..steps {
+        hand_step(&mut body, &mut nodes, &mut scratch, FpPath::best());
+    }
+}
+
+fn hand_step(body: &mut Body, nodes: &mut Nodes, scratch: &mut Scratch<4>, path: FpPath) {
+    nodes.begin();
+    path.run(Scatter { scratch, body, nodes, shape: Linear });
+    move_nodes(nodes);
+    path.run(Push::<_, 4, true> { scratch, body, nodes, dt: DT, pic: 0.0, shape: Linear }).expect("points stay");
+    let n = nodes.count;
+    for axis in 0..2 {
+        let Nodes { strain_velocity, momentum, mass, .. } = &mut *nodes;
+        for (v, (p, m)) in strain_velocity[axis][..n].iter_mut().zip(momentum[axis][..n].iter().zip(&mass[..n])) {
+            *v = p / m;
+        }
+    }
+    roll(nodes, |n| &mut n.strain_velocity);
+    path.run(Strain { scratch, body, nodes, dt: DT, shape: Linear }).expect("points keep their shape");
+    body.commit();
+}
+
+/// v_old = p / m, v = v_old + dt (f / m + g), rollers; room for the remap.
+fn move_nodes(nodes: &mut Nodes) {
+    let n = nodes.count;
+    for (axis, g) in [0.0, -9.81].into_iter().enumerate() {
+        let Nodes { old_velocity, velocity, momentum, force, mass, .. } = &mut *nodes;
+        let sums = momentum[axis][..n].iter_mut().zip(&force[axis][..n]).zip(&mass[..n]);
+        for ((old, new), ((p, f), m)) in old_velocity[axis][..n].iter_mut().zip(&mut velocity[axis][..n]).zip(sums) {
+            *old = *p / m;
+            *new = *old + DT * (f + m * g) / m;
+            *p = 0.0;
+        }
+    }
+    roll(nodes, |n| &mut n.velocity);
+}
+
+fn roll(nodes: &mut Nodes, columns: impl Fn(&mut Nodes) -> &mut [Vec<f64>; 2]) {
+    for side in [Side::Left, Side::Base] {
+        for k in 0..nodes.side(side).len() {
+            let s = nodes.side(side)[k] as usize;
+            columns(nodes)[side.axis()][s] = 0.0;
+        }
+    }
+}
+
+fn compare() -> ExitCode {
+    if Command::new("valgrind").arg("--version").output().is_err() {
+        println!("\n*** SKIPPED: valgrind is not installed; no instructions were counted. ***\n");
+        return ExitCode::SUCCESS;
+    }
+    let points = simulation(SLOPE, &BARE).body.len() as f64;
+    let per_point = |name: &str| -> f64 {
+        let (short, long) = (instructions(name, STEPS), instructions(name, 2 * STEPS));
+        (long - short) / (STEPS as f64 * points)
+    };
+    println!("instructions per particle-step, {points} points, path {:?}", FpPath::best());
+    let hand = per_point(LOOPS[0]);
+    println!("{:<28}{hand:>9.1}", LOOPS[0]);
+    let mut bare = f64::NAN;
+    for (name, ..) in SCENES {
+        let count = per_point(name);
+        if name == "bare" {
+            bare = count;
+        }
+        println!("{name:<28}{count:>9.1}   {:+.2} % of bare", 100.0 * (count / bare - 1.0));
+    }
+    for name in &LOOPS[1..] {
+        println!("{name:<28}{:>9.1}", per_point(name));
+    }
+    let excess = bare / hand - 1.0;
+    println!("scene without effects over the written-out loop: {:+.2} % (allowed {:.0} %)", 100.0 * excess, 100.0 * ALLOWED);
+    if excess <= ALLOWED { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+/// Instructions of this program doing `steps` steps, set-up and all.
+fn instructions(name: &str, steps: usize) -> f64 {
+    let program = std::env::current_exe().expect("this program has a path");
+    let output = Command::new("valgrind")
+        .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
+        .arg(program)
+        .args(["--count", name, &steps.to_string()])
+        .output()
+        .expect("valgrind starts");
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{name}: {text}");
+    let line = text.lines().find_map(|l| l.split_once("Collected :")).unwrap_or_else(|| panic!("no count in: {text}"));
+    line.1.trim().parse().unwrap_or_else(|e| panic!("{e} in {text}"))
+}

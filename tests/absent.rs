@@ -1,0 +1,112 @@
+//! A scene pays only for what it calls for: exact counters of the work.
+
+mod support;
+
+use rmpm::space::stencil::LANES;
+use support::{SLOPE, advance, bits, simulation};
+
+/// Overrides that take an effect away or bring one in, and the calls a step they leave.
+///
+/// Gravity is called for its force and for its account (2). A damping is called for its force
+/// (1). A support or a frictional side is called in both passes of MUSL (2), once under USL.
+const CALLS: [(&[&str], u64); 10] = [
+    // gravity 2, roller on the left 2, friction on the base 2
+    (&[], 6),
+    (&["gravity.schedule=none"], 4),
+    (&["boundary.left=free"], 4),
+    (&["boundary.base=free"], 4),
+    (&["gravity.schedule=none", "boundary.left=free", "boundary.base=free"], 0),
+    (&["damping.local=0.05"], 7),
+    (&["damping.viscous=0.1"], 7),
+    (&["damping.local=0.05", "damping.viscous=0.1", "boundary.right=fixed"], 10),
+    // one call of each constraint less
+    (&["explicit.stress_update=usl"], 4),
+    (&["boundary.right=roller", "boundary.top=roller"], 10),
+];
+
+#[test]
+fn effects_are_called_as_often_as_the_scene_says() {
+    for (keys, calls) in CALLS {
+        let mut sim = simulation(SLOPE, &[&["grid.cell=0.5"], keys].concat());
+        advance(&mut sim, 30);
+        assert_eq!(sim.work.effect_calls, 30 * calls, "{keys:?}");
+        assert_eq!(sim.work.steps, 30);
+        assert_eq!(sim.work.rejected_steps, 0);
+    }
+}
+
+#[test]
+fn the_law_sees_each_block_once_a_step() {
+    for (keys, points) in [(&["grid.cell=0.5"][..], 4 * 455), (&["grid.cell=0.25"], 7240)] {
+        let mut sim = simulation(SLOPE, keys);
+        assert_eq!(sim.body.len(), points, "{keys:?}");
+        advance(&mut sim, 25);
+        assert_eq!(sim.work.law_blocks, 25 * points.div_ceil(LANES) as u64);
+        assert_eq!(sim.work.particle_steps, 25 * points as u64);
+    }
+}
+
+#[test]
+fn blocks_do_not_mix_materials() {
+    let layered = include_str!("../cases/layered.toml");
+    let mut sim = simulation(layered, &[]);
+    let blocks: usize = sim.body.groups.iter().map(|g| g.range.len().div_ceil(LANES)).sum();
+    assert!(sim.body.groups.len() > 1);
+    advance(&mut sim, 10);
+    assert_eq!(sim.work.law_blocks, 10 * blocks as u64);
+}
+
+#[test]
+fn an_effect_set_to_nothing_is_the_effect_left_out() {
+    let text = without_tables(SLOPE, &["[damping]", "[jitter]"]);
+    assert!(!text.contains("local = 0.0") && text.contains("[gravity]"));
+    let off = ["grid.cell=0.5", "damping.local=0", "damping.viscous=0", "jitter.strength=0"];
+    let (mut with, mut without) = (simulation(SLOPE, &off), simulation(&text, &off[..1]));
+    advance(&mut with, 400);
+    advance(&mut without, 400);
+    assert!(bits(&with) == bits(&without));
+    assert_eq!(with.work, without.work);
+}
+
+/// A smooth side that cannot open does what a roller does, and costs as much.
+#[test]
+fn a_smooth_closed_side_is_a_roller() {
+    let smooth = "boundary.base={kind=\"friction\",coefficient=0.0,separation=false}";
+    let (mut a, mut b) =
+        (simulation(SLOPE, &["grid.cell=0.5", smooth]), simulation(SLOPE, &["grid.cell=0.5", "boundary.base=roller"]));
+    advance(&mut a, 100);
+    advance(&mut b, 100);
+    assert!(bits(&a) == bits(&b));
+    assert_eq!(a.work, b.work);
+}
+
+#[test]
+fn only_plastic_soil_stores_plastic_strain() {
+    let bar = include_str!("../cases/bar.toml");
+    let elastic = simulation(bar, &[]);
+    let plastic = simulation(SLOPE, &["grid.cell=0.5"]);
+    assert_eq!(elastic.body.committed.history.len(), 0);
+    assert_eq!(plastic.body.committed.history.len(), 1);
+    // one column in the committed and one in the trial state
+    assert_eq!(plastic.body.bytes_per_point() - elastic.body.bytes_per_point(), 16.0);
+}
+
+#[test]
+fn uniform_strength_is_not_stored_and_jittered_strength_is() {
+    let uniform = simulation(SLOPE, &["grid.cell=0.5"]);
+    let jittered = simulation(SLOPE, &["grid.cell=0.5", "jitter.strength=0.0005"]);
+    // c0 and c_r of each point
+    assert_eq!(jittered.body.bytes_per_point() - uniform.body.bytes_per_point(), 16.0);
+}
+
+/// The text without some of its tables.
+fn without_tables(text: &str, headers: &[&str]) -> String {
+    let mut keep = true;
+    let lines = text.lines().filter(|line| {
+        if line.starts_with('[') {
+            keep = !headers.iter().any(|h| line.starts_with(h));
+        }
+        keep
+    });
+    lines.collect::<Vec<_>>().join("\n")
+}

@@ -1,0 +1,64 @@
+//! Same case, same bits: twice in a row, and on every instruction path.
+
+mod support;
+
+use std::process::Command;
+
+use support::{QUICK, SLOPE, advance, bits, digest, simulation, yielded};
+
+/// 1500 steps, from rest through the failure.
+fn through_failure(keys: &[&str]) -> rmpm::sim::Simulation {
+    let mut sim = simulation(SLOPE, &[&QUICK, keys].concat());
+    advance(&mut sim, 1500);
+    assert!(yielded(&sim) > 0.3, "the slope has not failed");
+    assert!(sim.work.sorts > 0, "the points were never sorted");
+    sim
+}
+
+#[test]
+fn two_runs_give_the_same_bits() {
+    for keys in [&[][..], &["solver.kinematics=rate"], &["jitter.strength=0.01"]] {
+        let (a, b) = (through_failure(keys), through_failure(keys));
+        assert!(bits(&a) == bits(&b), "{keys:?}");
+        assert_eq!(a.work, b.work);
+    }
+}
+
+#[test]
+fn another_realisation_gives_other_bits() {
+    let keys = ["jitter.strength=0.01", "jitter.realisation=1"];
+    assert!(bits(&through_failure(&keys[..1])) != bits(&through_failure(&keys)));
+}
+
+/// The processes of the paths print a digest each: of both laws, softening on both.
+#[test]
+fn every_instruction_path_gives_the_same_bits() {
+    let best = digests_of_a_process(None);
+    let baseline = digests_of_a_process(Some("baseline"));
+    assert_eq!(best.len(), 2);
+    assert_eq!(best, baseline);
+}
+
+/// Runs `helper` below in a process of its own, since a process chooses its path once.
+fn digests_of_a_process(path: Option<&str>) -> Vec<String> {
+    let mut command = Command::new(std::env::current_exe().unwrap());
+    command.args(["--ignored", "--exact", "helper_prints_digests", "--nocapture", "--test-threads=1"]);
+    command.env_remove("RMPM_FP_PATH");
+    if let Some(path) = path {
+        command.env("RMPM_FP_PATH", path);
+    }
+    let output = command.output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains(&format!("on {}", path.unwrap_or("best"))), "{text}");
+    text.lines().filter_map(|l| l.split_once("digest ")).map(|(_, d)| d.to_owned()).collect()
+}
+
+#[test]
+#[ignore = "run by every_instruction_path_gives_the_same_bits, in processes of its own"]
+fn helper_prints_digests() {
+    println!("on {}", std::env::var("RMPM_FP_PATH").unwrap_or("best".to_owned()));
+    for kinematics in ["solver.kinematics=hencky", "solver.kinematics=rate"] {
+        println!("digest {:016x}", digest(&through_failure(&[kinematics])));
+    }
+}
