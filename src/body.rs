@@ -8,7 +8,7 @@ use std::ops::Range;
 use crate::{
     block::{Block, Law},
     fault::Fault,
-    math::tensor::Voigt,
+    math::{strip::Strip, tensor::Voigt},
     snapshot::{Snapshot, Stage},
     space::{
         Grid,
@@ -20,19 +20,19 @@ use crate::{
 #[derive(Clone, Debug, Default)]
 pub struct State {
     /// Position (m).
-    pub x: [Vec<f64>; 2],
+    pub x: [Strip; 2],
     /// Velocity (m/s).
-    pub v: [Vec<f64>; 2],
+    pub v: [Strip; 2],
     /// Elastic strain: xx, yy, zz, xy.
-    pub strain: [Vec<f64>; 4],
+    pub strain: [Strip; 4],
     /// Current volume over initial volume.
-    pub jacobian: Vec<f64>,
+    pub jacobian: Strip,
     /// History columns of the laws.
-    pub history: Vec<Vec<f64>>,
+    pub history: Vec<Strip>,
 }
 
 impl State {
-    fn columns(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
+    fn columns(&mut self) -> impl Iterator<Item = &mut Strip> {
         self.x
             .iter_mut()
             .chain(&mut self.v)
@@ -41,9 +41,10 @@ impl State {
             .chain(&mut self.history)
     }
 
-    fn with_len(n: usize, histories: usize) -> Self {
-        let mut s = State { history: vec![Vec::new(); histories], ..State::default() };
-        s.columns().for_each(|c| *c = vec![0.0; n]);
+    /// Zeros for `n` points; the columns are numbered from `first`.
+    fn with_len(n: usize, histories: usize, first: usize) -> Self {
+        let mut s = State { history: vec![Strip::default(); histories], ..State::default() };
+        s.columns().enumerate().for_each(|(k, c)| *c = Strip::new(n, 0.0, first + k));
         s.jacobian.fill(1.0);
         s
     }
@@ -94,9 +95,9 @@ pub struct Body {
     /// Identity of each point; the reference columns below are in this order.
     pub id: Vec<u32>,
     /// Mass (t/m).
-    pub mass: Vec<f64>,
+    pub mass: Strip,
     /// Initial volume (m3/m).
-    pub volume: Vec<f64>,
+    pub volume: Strip,
     pub committed: State,
     pub trial: State,
     reference: Vec<[f64; 2]>,
@@ -112,10 +113,10 @@ impl Body {
         let mut body = Body {
             groups: Vec::with_capacity(seeds.len()),
             id: (0..n as u32).collect(),
-            mass: Vec::with_capacity(n),
-            volume: Vec::with_capacity(n),
-            committed: State::with_len(n, histories),
-            trial: State::with_len(n, histories),
+            mass: Strip::new(n, 0.0, 0),
+            volume: Strip::new(n, 0.0, 1),
+            committed: State::with_len(n, histories, 2),
+            trial: State::with_len(n, histories, 11 + histories),
             reference: Vec::with_capacity(n),
             keys: Vec::with_capacity(n),
             scratch: vec![0.0; n],
@@ -127,17 +128,17 @@ impl Body {
     }
 
     fn push_group(&mut self, seed: GroupSeed) {
-        let start = self.mass.len();
+        let start = self.reference.len();
         for (k, p) in seed.points.iter().enumerate() {
-            self.mass.push(p.mass);
-            self.volume.push(p.volume);
+            self.mass[start + k] = p.mass;
+            self.volume[start + k] = p.volume;
             self.reference.push(p.x);
             for axis in 0..2 {
                 self.committed.x[axis][start + k] = p.x[axis];
                 self.committed.v[axis][start + k] = p.v[axis];
             }
         }
-        let range = start..self.mass.len();
+        let range = start..self.reference.len();
         self.groups.push(Group { range, material: seed.material, law: seed.law, params: seed.params });
         self.set_stress(self.groups.len() - 1, |k| seed.points[k].stress);
     }
@@ -191,7 +192,7 @@ impl Body {
 
     /// Sum of m v (kN s/m).
     pub fn momentum(&self) -> [f64; 2] {
-        [0, 1].map(|a| self.mass.iter().zip(&self.committed.v[a]).map(|(m, v)| m * v).sum())
+        [0, 1].map(|a| self.mass.iter().zip(self.committed.v[a].iter()).map(|(m, v)| m * v).sum())
     }
 
     /// Sum of m (t/m).
@@ -202,7 +203,7 @@ impl Body {
     /// Sum of 1/2 m v^2 over the points (kJ/m).
     pub fn kinetic_energy(&self) -> f64 {
         let [vx, vy] = &self.committed.v;
-        self.mass.iter().zip(vx.iter().zip(vy)).map(|(m, (x, y))| 0.5 * m * (x * x + y * y)).sum()
+        self.mass.iter().zip(vx.iter().zip(vy.iter())).map(|(m, (x, y))| 0.5 * m * (x * x + y * y)).sum()
     }
 
     /// Elastic energy (kJ/m).

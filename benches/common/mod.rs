@@ -28,7 +28,7 @@ pub fn advance(sim: &mut Simulation, steps: usize) {
 
 /// Part of the points that have yielded.
 pub fn yielded(sim: &Simulation) -> f64 {
-    let history = sim.body.committed.history.first().map_or(&[][..], Vec::as_slice);
+    let history = sim.body.committed.history.first().map_or(&[][..], |c| &c[..]);
     history.iter().filter(|&&e| e > 0.0).count() as f64 / sim.body.len() as f64
 }
 

@@ -5,4 +5,5 @@ pub mod outline;
 pub mod polygon;
 pub mod simd;
 pub mod stats;
+pub mod strip;
 pub mod tensor;
