@@ -103,7 +103,7 @@ fn compare<L: Law>(name: &str, size: Size, pairs: usize) {
     let [low, high] = range(&ratios);
     let best = rates.map(|r| range(&r)[1]);
     println!(
-        "{name:<8}{points:>9}{:>9.2}{:>9.2}{:>9.3}{:>16}{:>10}{:>14.0}",
+        "{name:<8}{points:>9}{:>9.2}{:>9.2}{:>9.3}  {:>16}{:>10}{:>14.0}",
         best[0],
         best[1],
         best[0] / best[1],

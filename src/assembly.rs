@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use crate::{
     block::Block,
-    body::{Body, Group, chunks, load, load_state, load_varying, set_uniform, store},
+    body::{Body, Group, chunks, load, load_state, set_uniform, store},
     fault::Fault,
     math::simd::Kernel,
     nodes::Nodes,
@@ -317,7 +317,6 @@ fn load_point_state(block: &mut Block, group: &Group, body: &Body, range: &Range
     for (lane, column) in block.state.iter_mut().zip(&body.committed.history) {
         load(lane, column, range);
     }
-    load_varying(block, group, range);
 }
 
 #[inline(always)]

@@ -14,6 +14,8 @@ pub struct Nodes {
     pub id: Vec<u32>,
     /// Mass (t/m).
     pub mass: Vec<f64>,
+    /// 1 / mass (m/t).
+    pub inverse_mass: Vec<f64>,
     /// Momentum mapped from the points (kN s/m).
     pub momentum: [Vec<f64>; 2],
     /// Force (kN/m).
@@ -41,6 +43,7 @@ impl Nodes {
             count: 0,
             id: Vec::new(),
             mass: Vec::new(),
+            inverse_mass: Vec::new(),
             momentum: Default::default(),
             force: Default::default(),
             old_velocity: Default::default(),
@@ -119,6 +122,7 @@ impl Nodes {
         let n = (self.id.len() + self.id.len() / 4).max(256);
         self.id.resize(n, 0);
         self.mass.resize(n, 0.0);
+        self.inverse_mass.resize(n, 0.0);
         let Nodes { momentum, force, old_velocity, velocity, strain_velocity, .. } = self;
         for columns in [momentum, force, old_velocity, velocity, strain_velocity] {
             columns.iter_mut().for_each(|c| c.resize(n, 0.0));

@@ -118,7 +118,8 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
     fn update_nodes(&mut self, clock: Clock, mean_mass: f64, work: &mut Work) -> [f64; 2] {
         let Explicit { nodes, effects, lists, .. } = self;
         effects.iter_mut().for_each(|e| e.ledger_mut().begin());
-        divide(&mut nodes.old_velocity, &nodes.momentum, &nodes.mass, nodes.count);
+        invert_mass(nodes);
+        divide(&mut nodes.old_velocity, &nodes.momentum, &nodes.inverse_mass, nodes.count);
         let floor = withhold(nodes, clock.dt, self.settings.mass_floor * mean_mass);
         lists.force.iter().for_each(|&e| effects[e].force(nodes, clock));
         accelerate(nodes, clock.dt);
@@ -147,7 +148,7 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
         let Explicit { nodes, effects, lists, settings, .. } = self;
         match settings.stress_update {
             StressUpdate::Musl => {
-                divide(&mut nodes.strain_velocity, &nodes.momentum, &nodes.mass, nodes.count);
+                divide(&mut nodes.strain_velocity, &nodes.momentum, &nodes.inverse_mass, nodes.count);
                 lists.constrain.iter().for_each(|&e| effects[e].constrain(nodes, Pass::Remap, clock));
                 work.effect_calls += lists.constrain.len() as u64;
             }
@@ -175,12 +176,20 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
     }
 }
 
+/// 1 / m on the active nodes.
+fn invert_mass(nodes: &mut Nodes) {
+    let n = nodes.count;
+    for (inverse, m) in nodes.inverse_mass[..n].iter_mut().zip(&nodes.mass[..n]) {
+        *inverse = 1.0 / m;
+    }
+}
+
 /// `out = p / m` on the active nodes.
-fn divide(out: &mut [Vec<f64>; 2], momentum: &[Vec<f64>; 2], mass: &[f64], n: usize) {
+fn divide(out: &mut [Vec<f64>; 2], momentum: &[Vec<f64>; 2], inverse_mass: &[f64], n: usize) {
     for axis in 0..2 {
-        let columns = momentum[axis][..n].iter().zip(&mass[..n]);
-        for (v, (p, m)) in out[axis][..n].iter_mut().zip(columns) {
-            *v = p / m;
+        let columns = momentum[axis][..n].iter().zip(&inverse_mass[..n]);
+        for (v, (p, inverse)) in out[axis][..n].iter_mut().zip(columns) {
+            *v = p * inverse;
         }
     }
 }
@@ -208,9 +217,9 @@ fn withhold(nodes: &mut Nodes, dt: f64, floor: f64) -> [f64; 2] {
 fn accelerate(nodes: &mut Nodes, dt: f64) {
     let n = nodes.count;
     for axis in 0..2 {
-        let columns = nodes.force[axis][..n].iter().zip(&nodes.mass[..n]).zip(&nodes.old_velocity[axis][..n]);
-        for (v, ((f, &m), old)) in nodes.velocity[axis][..n].iter_mut().zip(columns) {
-            *v = old + dt * f / m;
+        let columns = nodes.force[axis][..n].iter().zip(&nodes.inverse_mass[..n]).zip(&nodes.old_velocity[axis][..n]);
+        for (v, ((f, inverse), old)) in nodes.velocity[axis][..n].iter_mut().zip(columns) {
+            *v = old + dt * f * inverse;
         }
     }
 }
@@ -266,7 +275,7 @@ impl<S: Shape<N>, const N: usize> Integrator for Explicit<S, N> {
     }
 
     fn bytes(&self) -> usize {
-        4 * self.nodes.grid.nodes() + 12 * 8 * self.nodes.id.capacity()
+        4 * self.nodes.grid.nodes() + 13 * 8 * self.nodes.id.capacity()
     }
 }
 
