@@ -10,6 +10,7 @@ mod plot;
 mod progress;
 mod solve;
 mod summary;
+mod validate;
 
 use std::process::ExitCode;
 
@@ -37,6 +38,8 @@ enum Verb {
     Solve(solve::Args),
     /// How an answer depends on mesh, points or any key: median and spread of jittered runs
     Converge(converge::Args),
+    /// Run the problems with known answers and compare
+    Validate(validate::Args),
     /// Redraw the pictures of a run from its frames
     Plot(plot::Args),
     /// Print the completion script of a shell
@@ -55,6 +58,7 @@ pub fn main() -> ExitCode {
         Verb::Explain(args) => explain::run(&args),
         Verb::Solve(args) => solve::run(&args),
         Verb::Converge(args) => converge::run(&args),
+        Verb::Validate(args) => validate::run(&args),
         Verb::Plot(args) => plot::run(&args),
         Verb::Completions { shell } => {
             clap_complete::generate(shell, &mut Cli::command(), "rmpm", &mut std::io::stdout());

@@ -1,0 +1,131 @@
+//! A flat, stiff block on a frictional plane.
+
+use super::{
+    Effort, Files, Problem, Report,
+    measure::{bisect, mean},
+    reference::Reference,
+    setup::{Run, keys},
+};
+use crate::case::{GravitySchedule, Side};
+
+/// See the module.
+pub struct Incline;
+
+impl Problem for Incline {
+    fn name(&self) -> &'static str {
+        "incline"
+    }
+
+    fn files(&self) -> Files {
+        Files {
+            case: include_str!("../../../validation/incline/case.toml"),
+            reference: include_str!("../../../validation/incline/reference.toml"),
+        }
+    }
+
+    fn fill(&self, effort: Effort, reference: &Reference, report: &mut Report) -> Result<(), String> {
+        let cells: &[f64] = match effort {
+            Effort::Short => &[0.5],
+            Effort::Full => &[0.5, 0.25],
+        };
+        for &h in cells {
+            for factor in [1.5, 2.0] {
+                self.slide(h, factor, reference, report)?;
+            }
+            self.threshold(h, reference, report)?;
+            self.rest(h, reference, report)?;
+        }
+        Ok(())
+    }
+}
+
+impl Incline {
+    fn tilted(&self, h: f64, tangent: f64) -> Result<Block, String> {
+        let tilt = tangent.atan().to_degrees();
+        let run = Run::new(self.files().case, &keys(&[("grid.cell", format!("{h:?}")), ("gravity.tilt", format!("{tilt:?}"))]))?;
+        Block::new(run)
+    }
+
+    fn slide(&self, h: f64, factor: f64, reference: &Reference, report: &mut Report) -> Result<(), String> {
+        let mut block = self.tilted(h, 0.4 * factor)?;
+        block.run.until(block.full_pull + reference.given("first")?, |_| ())?;
+        let (t, v) = (block.run.sim.time, block.velocity());
+        block.run.until(block.full_pull + reference.given("last")?, |_| ())?;
+        let ours = (block.velocity() - v) / (block.run.sim.time - t);
+        report.count(&block.run.sim);
+        let name = format!("tan t = {factor} mu, h = {h} m");
+        report.row_of(reference, "acceleration", &name, Some(block.sliding_acceleration()), ours)?;
+        report.row_of(reference, "gap", &name, None, block.way()[1] / h)
+    }
+
+    /// A block on the level, never damped, for five times the ramp.
+    fn rest(&self, h: f64, reference: &Reference, report: &mut Report) -> Result<(), String> {
+        let set = [("grid.cell", format!("{h:?}")), ("gravity.tilt", "0.0".into()), ("gravity.settle_damping", "0.0".into())];
+        let mut block = Block::new(Run::new(self.files().case, &keys(&set))?)?;
+        let level = block.full_pull;
+        block.run.until(0.5 * level, |_| ())?;
+        let settled = block.way()[1];
+        block.run.until(5.0 * level, |_| ())?;
+        report.count(&block.run.sim);
+        report.row_of(reference, "rise", &format!("h = {h} m"), None, (block.way()[1] - settled) / settled.abs())
+    }
+
+    /// Steepest tangent at which the block has not slid: bisection to a tenth of the tolerance.
+    fn threshold(&self, h: f64, reference: &Reference, report: &mut Report) -> Result<(), String> {
+        let watch = reference.given("watch")?;
+        let mu = reference.exact("threshold")?;
+        let tangent = bisect(0.97 * mu, 1.03 * mu, 5e-4, |tangent| {
+            let mut block = self.tilted(h, tangent)?;
+            block.run.until(block.full_pull + watch, |_| ())?;
+            report.count(&block.run.sim);
+            Ok(!block.has_slid())
+        })?;
+        report.row_of(reference, "threshold", &format!("h = {h} m"), None, tangent)
+    }
+}
+
+struct Block {
+    run: Run,
+    /// Time from which gravity acts in full (s).
+    full_pull: f64,
+    mu: f64,
+}
+
+impl Block {
+    fn new(run: Run) -> Result<Self, String> {
+        let GravitySchedule::NormalFirst { ramp_time, settle_time, tangential_time, .. } = run.case.gravity.schedule else {
+            return Err("the incline needs gravity.schedule = \"normal_first\"".into());
+        };
+        let Side::Friction { coefficient, .. } = run.case.boundary.base else {
+            return Err("the incline needs a frictional base".into());
+        };
+        Ok(Block { full_pull: ramp_time + settle_time + tangential_time, mu: coefficient, run })
+    }
+
+    /// Of the centre of mass, along the plane (m/s).
+    fn velocity(&self) -> f64 {
+        self.run.sim.body.momentum()[0] / self.run.sim.initial_mass
+    }
+
+    /// g (sin t - mu cos t).
+    fn sliding_acceleration(&self) -> f64 {
+        let (sin, cos) = self.run.case.gravity.tilt.to_radians().sin_cos();
+        self.run.case.gravity.acceleration * (sin - self.mu * cos)
+    }
+
+    /// Whether the block has moved ten times as far as its elastic shear, rho g sin t H^2 / 3 G
+    /// in the mean: at an excess of 0.05 % it does so within 2 s.
+    fn has_slid(&self) -> bool {
+        let e = self.run.case.material["stiff"].elastic();
+        let g = e.young_modulus / (2.0 * (1.0 + e.poisson_ratio));
+        let shear = e.unit_weight * self.run.case.gravity.tilt.to_radians().sin() / (3.0 * g);
+        self.way()[0] > 10.0 * shear
+    }
+
+    /// Mean displacement (m).
+    fn way(&self) -> [f64; 2] {
+        let mut way = vec![[0.0; 2]; self.run.sim.body.len()];
+        self.run.sim.body.displacements(&mut way);
+        [0, 1].map(|a| mean(way.iter().map(|u| u[a])))
+    }
+}

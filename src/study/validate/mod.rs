@@ -1,0 +1,132 @@
+//! The validation study: problems with known answers, run through the program as it stands.
+//!
+//! Each problem is one file here, one line in [`problems`], and a folder `validation/NAME/` with
+//! `case.toml` (what is run) and `reference.toml` (the answers with source, tolerance and the
+//! reason for the tolerance). Both files are embedded, so the installed program needs no folder.
+
+mod courant;
+mod in_situ;
+mod incline;
+mod light_node;
+mod measure;
+mod operator;
+mod patch;
+mod reference;
+mod report;
+mod rigid;
+mod setup;
+mod two_discs;
+mod vibrating_bar;
+
+pub use report::{Report, Row, table};
+
+use reference::Reference;
+
+/// How much is run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effort {
+    /// Seconds in all: coarse grids, few sizes. Same rows, same tolerances.
+    Short,
+    /// Minutes: fine grids, all sizes.
+    Full,
+}
+
+/// The files of a problem.
+#[derive(Clone, Copy, Debug)]
+pub struct Files {
+    pub case: &'static str,
+    pub reference: &'static str,
+}
+
+/// A problem with known answers.
+pub trait Problem: Sync {
+    /// Name of its folder in `validation/`.
+    fn name(&self) -> &'static str;
+
+    /// Its case and its answers.
+    fn files(&self) -> Files;
+
+    /// Runs it and fills the rows of the report.
+    ///
+    /// # Errors
+    /// A sentence, where a run ended with a fault or a file could not be read.
+    fn fill(&self, effort: Effort, reference: &Reference, report: &mut Report) -> Result<(), String>;
+
+    /// One line on what is shown.
+    fn about(&self) -> String {
+        Reference::read(self.files().reference).map(|r| r.about).unwrap_or_default()
+    }
+
+    /// Where the answers come from.
+    fn source(&self) -> String {
+        Reference::read(self.files().reference).map(|r| r.source).unwrap_or_default()
+    }
+
+    /// Runs it.
+    ///
+    /// # Errors
+    /// As [`Problem::fill`], with the name of the problem.
+    fn run(&self, effort: Effort) -> Result<Report, String> {
+        let named = |e: String| format!("{}: {e}", self.name());
+        let reference = Reference::read(self.files().reference).map_err(named)?;
+        let mut report = Report::new(self.name(), &reference);
+        self.fill(effort, &reference, &mut report).map_err(named)?;
+        Ok(report)
+    }
+}
+
+/// All problems, in the order of the table.
+pub fn problems() -> &'static [&'static dyn Problem] {
+    &[
+        &vibrating_bar::VibratingBar,
+        &two_discs::TwoDiscs,
+        &incline::Incline,
+        &courant::Courant,
+        &rigid::Rigid,
+        &patch::Patch,
+        &in_situ::InSitu,
+        &light_node::LightNode,
+    ]
+}
+
+/// Runs the problems with these names, or all where no name is given.
+///
+/// # Errors
+/// An unknown name, with the list of names; or the first problem that could not be run.
+pub fn run(names: &[String], effort: Effort) -> Result<Vec<Report>, String> {
+    let chosen = names.iter().map(|name| find(name)).collect::<Result<Vec<_>, _>>()?;
+    let chosen = if names.is_empty() { problems().to_vec() } else { chosen };
+    chosen.into_iter().map(|problem| problem.run(effort)).collect()
+}
+
+fn find(name: &str) -> Result<&'static dyn Problem, String> {
+    problems().iter().find(|p| p.name() == name).copied().ok_or_else(|| unknown(name))
+}
+
+fn unknown(name: &str) -> String {
+    let names: Vec<_> = problems().iter().map(|p| p.name()).collect();
+    let score = |known: &&str| strsim::normalized_damerau_levenshtein(name, known);
+    let closest = names.iter().copied().max_by(|a, b| score(a).total_cmp(&score(b)));
+    let hint = closest.filter(|known| score(known) > 0.4).map(|known| format!("; did you mean `{known}`?"));
+    format!("there is no problem `{name}`{}\nthe problems are: {}", hint.unwrap_or_default(), names.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_unknown_name_lists_the_problems_and_suggests_one() {
+        let message = run(&["inclin".to_owned()], Effort::Short).unwrap_err();
+        assert!(message.contains("did you mean `incline`?") && message.contains("two-discs"), "{message}");
+    }
+
+    #[test]
+    fn every_problem_reads_its_own_files_and_says_where_its_answers_come_from() {
+        for p in problems() {
+            let (case, _) = crate::case::read(p.name(), p.files().case, &[]).expect(p.name());
+            assert!(!case.title.is_empty());
+            assert!(!p.about().is_empty() && !p.source().is_empty(), "{}", p.name());
+        }
+    }
+}

@@ -1,0 +1,76 @@
+//! Every validation problem in its short form, and the promises about the table.
+
+use rmpm::study::validate::{Effort, problems, run, table};
+
+fn holds(name: &str) {
+    let reports = run(&[name.to_owned()], Effort::Short).unwrap();
+    let report = &reports[0];
+    assert!(!report.rows.is_empty() && report.particle_steps > 0);
+    assert!(report.pass(), "{}", table(&reports));
+}
+
+#[test]
+fn vibrating_bar() {
+    holds("vibrating-bar");
+}
+
+#[test]
+fn two_discs() {
+    holds("two-discs");
+}
+
+#[test]
+fn incline() {
+    holds("incline");
+}
+
+#[test]
+fn courant() {
+    holds("courant");
+}
+
+#[test]
+fn rigid() {
+    holds("rigid");
+}
+
+#[test]
+fn patch() {
+    holds("patch");
+}
+
+#[test]
+fn in_situ() {
+    holds("in-situ");
+}
+
+#[test]
+fn light_node() {
+    holds("light-node");
+}
+
+#[test]
+fn no_problem_is_left_out_here() {
+    let tested = include_str!("validation.rs");
+    for problem in problems() {
+        assert!(tested.contains(&format!("holds(\"{}\")", problem.name())), "{} has no test", problem.name());
+    }
+}
+
+#[test]
+fn each_problem_has_a_folder_of_its_name() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("validation");
+    let mut names: Vec<_> = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    let mut known: Vec<_> = problems().iter().map(|p| p.name().to_owned()).collect();
+    names.sort();
+    known.sort();
+    assert_eq!(names, known);
+}
+
+#[test]
+fn a_report_is_the_same_twice_and_serialises() {
+    let once = || serde_json::to_string(&run(&["patch".to_owned()], Effort::Short).unwrap()).unwrap();
+    let json = once();
+    assert_eq!(json, once());
+    assert!(json.contains("\"why_tolerance\"") && json.contains("\"particle_steps\""));
+}
