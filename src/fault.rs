@@ -14,8 +14,8 @@ pub enum FaultKind {
     LeftGrid,
     /// A stress, velocity or position is not a number.
     NonFinite,
-    /// The time step fell below what is worth doing.
-    StepTooSmall,
+    /// A point would have moved by more than half a cell in one step.
+    StepTooLong,
 }
 
 /// A fault in one step. The body is as it was before the step.
@@ -57,17 +57,16 @@ impl Fault {
 
     /// Whether a smaller step may cure it.
     pub fn curable(&self) -> bool {
-        matches!(self.kind, FaultKind::Inverted | FaultKind::NonFinite)
+        !matches!(self.kind, FaultKind::LeftGrid)
     }
 
     /// What the user can do, naming the key of the case file.
     pub fn advice(&self) -> &'static str {
         match self.kind {
-            FaultKind::Inverted | FaultKind::NonFinite => {
+            FaultKind::Inverted | FaultKind::NonFinite | FaultKind::StepTooLong => {
                 "lower `explicit.courant` (or `explicit.time_step`), or bring the load on more slowly (`gravity.ramp_time`)"
             }
             FaultKind::LeftGrid => "enlarge `grid.size`, or put a support on that side (`boundary`)",
-            FaultKind::StepTooSmall => "look at the fault that cut the step, and at the stiffness of the materials",
         }
     }
 }
@@ -78,7 +77,7 @@ impl fmt::Display for Fault {
             FaultKind::Inverted => "a material point was turned inside out (det F <= 0)",
             FaultKind::LeftGrid => "a material point left the grid",
             FaultKind::NonFinite => "a quantity is no longer a finite number",
-            FaultKind::StepTooSmall => "the time step was cut until it was too small to go on",
+            FaultKind::StepTooLong => "a material point would move by more than half a cell in one step",
         };
         write!(f, "{what}, in step {} at t = {:.4} s", self.step, self.time_s)?;
         if let Some(p) = self.point {

@@ -91,13 +91,18 @@ fn all_inside<const N: usize>(s: &Scratch<N>, grid: &Grid, len: usize) -> bool {
     outside == 0
 }
 
-/// The first point of a block that is not inside the grid.
+/// The first point of a block that is not inside the grid, and what took it there.
 #[cold]
 fn departure<const N: usize>(s: &Scratch<N>, body: &Body, grid: &Grid, range: &Range<usize>) -> Fault {
     let place = |i: usize| [s.x.0[0][i], s.x.0[1][i]];
     let lane = (0..range.len()).find(|&i| !grid.contains(place(i))).unwrap_or(0);
-    let to = place(lane);
-    let kind = if to.iter().all(|v| v.is_finite()) { FaultKind::LeftGrid } else { FaultKind::NonFinite };
+    let (to, i) = (place(lane), range.start + lane);
+    let way = (to[0] - body.committed.x[0][i]).hypot(to[1] - body.committed.x[1][i]);
+    let kind = match way {
+        w if !w.is_finite() => FaultKind::NonFinite,
+        w if w > 0.5 * grid.h => FaultKind::StepTooLong,
+        _ => FaultKind::LeftGrid,
+    };
     let fault = Fault::new(kind).with("to_x", to[0]).with("to_y", to[1]).with("v_x", s.v.0[0][lane]);
     body.blame(fault.with("v_y", s.v.0[1][lane]).at(lane as u32, to), range.start)
 }

@@ -184,14 +184,14 @@ impl Grid {
 }
 
 impl Case {
-    /// A rough upper bound on the memory of a run (bytes): 4 per node of the grid and 260 per
+    /// A rough upper bound on the memory of a run (bytes): 4 per node of the grid and 700 per
     /// point, the points counted from the area of the regions plus a tenth for cut cells.
     pub fn memory_estimate_bytes(&self) -> u64 {
         let [nx, ny] = self.grid.cells();
         let area: f64 = self.region.iter().map(|region| region.shape.area()).sum();
         let per_cell = (self.points.per_axis * self.points.per_axis) as f64;
         let points = 1.1 * area / (self.grid.cell * self.grid.cell) * per_cell;
-        (4.0 * (nx + 1.0) * (ny + 1.0) + 260.0 * points) as u64
+        (4.0 * (nx + 1.0) * (ny + 1.0) + 700.0 * points) as u64
     }
 }
 

@@ -8,6 +8,9 @@ use super::source::Span;
 use super::suggest;
 use super::tree::{Node, Value};
 
+/// Most numbers in a list, such as the times of pictures: a picture has room for 64 panels.
+const MOST_NUMBERS: usize = 64;
+
 /// A value, where it stands, and where to note what is wrong with it.
 pub(super) struct Cursor<'a> {
     /// Where errors go.
@@ -150,9 +153,15 @@ impl<'a> Cursor<'a> {
         Some([x?, y?])
     }
 
-    /// A list of numbers, each within limits.
+    /// A list of at most `MOST_NUMBERS` numbers, each within limits.
     pub fn numbers(&self, limits: Limits) -> Option<Vec<f64>> {
-        let found: Vec<_> = self.list()?.iter().map(|item| item.number(limits)).collect();
+        let list = self.list()?;
+        if list.len() > MOST_NUMBERS {
+            let message = format!("`{}` has {} numbers", self.path, list.len());
+            self.error(Problem::new(message, format!("must have at most {MOST_NUMBERS}")));
+            return None;
+        }
+        let found: Vec<_> = list.iter().map(|item| item.number(limits)).collect();
         found.into_iter().collect()
     }
 

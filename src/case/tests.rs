@@ -165,7 +165,7 @@ fn unsound_soils_are_refused() {
 #[test]
 fn memory_grows_with_points_and_grid() {
     let small = with(&[]).expect("valid").memory_estimate_bytes();
-    let points = (1.1 * 10.0 / 0.25 * 4.0 * 260.0) as u64;
+    let points = (1.1 * 10.0 / 0.25 * 4.0 * 700.0) as u64;
     assert_eq!(small, points + 4 * 21 * 9);
 }
 

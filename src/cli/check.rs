@@ -1,6 +1,6 @@
 //! `rmpm check`.
 
-use super::{Failure, input::CaseArgs};
+use super::{Failure, exit::print, input::CaseArgs};
 
 #[derive(Debug, clap::Args)]
 pub struct Args {
@@ -11,11 +11,17 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let (case, _) = args.case.read()?;
     let mut scene = args.case.build(&case)?;
-    let dt = scene.simulation.stable_dt().unwrap_or(f64::NAN);
-    println!("{}: sound", args.case.case.display());
-    println!("  {}", case.title);
-    println!("  {} points in {} cells ({} cut), h = {} m", scene.simulation.body.len(), scene.cells, scene.cut_cells, case.grid.cell);
-    println!("  first time step {:.3e} s, at most {:.0} steps", case.explicit.time_step.unwrap_or(dt), case.end.time / case.explicit.time_step.unwrap_or(dt));
-    println!("  memory about {:.1} MB", scene.simulation.bytes() as f64 / 1e6);
-    Ok(())
+    let stable = scene.simulation.stable_dt().unwrap_or(f64::NAN);
+    let dt = case.explicit.time_step.unwrap_or(stable);
+    let mut text = format!("{}: sound\n  {}\n", args.case.case.display(), case.title);
+    text += &format!(
+        "  {} points in {} cells ({} cut), h = {} m\n",
+        scene.simulation.body.len(), scene.cells, scene.cut_cells, case.grid.cell
+    );
+    text += &format!("  first time step {dt:.3e} s: about {:.0} steps to {} s\n", case.end.time / dt, case.end.time);
+    text += &format!("  memory for a run with its pictures: about {:.0} MB\n", case.memory_estimate_bytes() as f64 / 1e6);
+    for w in &scene.warnings {
+        text += &format!("  note: {} (key `{}`)\n", w.text, w.key);
+    }
+    print(&text)
 }

@@ -4,13 +4,14 @@ use std::path::{Path, PathBuf};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::{Failure, input::CaseArgs};
+use super::{Failure, exit::print, input::CaseArgs, interrupt};
 use crate::{
     case::Case,
     output::{
         folder, pictures,
         plot::{self, AxisSpec, FieldKind, Interval, IntervalPlot},
     },
+    run::Limits,
     snapshot::Snapshot,
     study::{
         converge::{self, Plan, Study, typical},
@@ -56,16 +57,16 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         runs: args.runs as usize,
         jitter: args.jitter,
         max_memory: args.case.max_memory,
+        limits: Limits { interrupt: Some(interrupt::flag()), time_limit: None },
     };
     let study = in_pool(args.jobs, || converge::converge(&plan, &progress()))?.map_err(Failure::Input)?;
     let json = serde_json::to_string_pretty(&study).map_err(|e| write(e.into()))?;
     folder::write_text(&out.join("converge.json"), &(json.clone() + "\n")).map_err(write)?;
     draw(&out, &case, &study).map_err(write)?;
-    if args.json {
-        println!("{json}");
-    } else {
-        print!("{}", converge::table(&study));
-        println!("left in {}", out.display());
+    let table = || format!("{}left in {}\n", converge::table(&study), out.display());
+    print(&if args.json { json + "\n" } else { table() })?;
+    if interrupt::flag().load(std::sync::atomic::Ordering::Relaxed) {
+        return Err(Failure::Interrupted("the runs were cut short; what they had is in the table".to_owned()));
     }
     let failed: usize = study.rows.iter().map(|r| r.failed).sum();
     if failed > 0 { Err(Failure::Partly(format!("{failed} runs failed"))) } else { Ok(()) }

@@ -1,6 +1,9 @@
 //! Exit codes, in one place.
 
-use std::{io, process::ExitCode};
+use std::{
+    io::{self, Write},
+    process::ExitCode,
+};
 
 use crate::run::Status;
 
@@ -54,4 +57,14 @@ pub fn code(done: Result<(), Failure>) -> ExitCode {
     let text = if text.starts_with("error") { text } else { format!("error: {text}") };
     eprintln!("{}", text.trim_end());
     ExitCode::from(code)
+}
+
+/// Prints on standard output. A reader that has closed its end is no failure: it has what it
+/// wanted.
+pub fn print(text: &str) -> Result<(), Failure> {
+    let mut out = io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => Err(Failure::io("standard output", &e)),
+        _ => Ok(()),
+    }
 }

@@ -1,6 +1,6 @@
 //! `rmpm explain`.
 
-use super::{Failure, input::CaseArgs};
+use super::{Failure, exit::print, input::CaseArgs};
 use crate::scene;
 
 #[derive(Debug, clap::Args)]
@@ -12,6 +12,5 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let (case, _) = args.case.read()?;
     let scene = args.case.build(&case)?;
-    print!("{}", scene::explain(&scene));
-    Ok(())
+    print(&scene::explain(&scene))
 }

@@ -5,6 +5,7 @@ mod converge;
 mod exit;
 mod explain;
 mod input;
+mod interrupt;
 mod new;
 mod plot;
 mod progress;
@@ -61,8 +62,9 @@ pub fn main() -> ExitCode {
         Verb::Validate(args) => validate::run(&args),
         Verb::Plot(args) => plot::run(&args),
         Verb::Completions { shell } => {
-            clap_complete::generate(shell, &mut Cli::command(), "rmpm", &mut std::io::stdout());
-            Ok(())
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Cli::command(), "rmpm", &mut script);
+            exit::print(&String::from_utf8_lossy(&script))
         }
     };
     exit::code(done)

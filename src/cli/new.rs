@@ -2,7 +2,7 @@
 
 use std::{io::Write, path::PathBuf};
 
-use super::Failure;
+use super::{Failure, exit::print};
 use crate::case;
 
 #[derive(Debug, clap::Args)]
@@ -18,7 +18,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let text = case::template(&args.template).unwrap_or_default();
     let Some(path) = &args.out else {
-        return std::io::stdout().write_all(text.as_bytes()).map_err(|e| Failure::io("standard output", &e));
+        return print(text);
     };
     let mut options = std::fs::File::options();
     let file = options.write(true).create_new(true).open(path);

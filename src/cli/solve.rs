@@ -3,11 +3,10 @@
 use std::{
     collections::BTreeMap,
     path::PathBuf,
-    sync::atomic::{AtomicBool, Ordering},
     time::{Duration, Instant},
 };
 
-use super::{Failure, input::CaseArgs, progress::Progress, summary};
+use super::{Failure, exit::print, input::CaseArgs, interrupt, progress::Progress, summary};
 use crate::{
     case::Case,
     math::simd::FpPath,
@@ -45,9 +44,6 @@ pub struct Args {
     quiet: bool,
 }
 
-/// Set by an interrupt (Ctrl-C, TERM).
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
-
 /// Writes to the folder and shows the progress.
 struct Watch {
     folder: Folder,
@@ -81,18 +77,19 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let out = args.out.clone().unwrap_or_else(|| default_out(&input));
     let write = |e: std::io::Error| Failure::io(&out.display().to_string(), &e);
     let folder = Folder::open(&out, &case.to_toml(), !args.no_frames).map_err(write)?;
-    // a second handler is refused; the first one serves as well
-    let _ = ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::Relaxed));
     let mut watch = Watch { folder, progress: Progress::new(case.end.time, args.quiet) };
-    let limits = Limits { interrupt: Some(&INTERRUPTED), time_limit };
+    let limits = Limits { interrupt: Some(interrupt::flag()), time_limit };
     let (before, cpu_before) = (Instant::now(), cpu_seconds());
     let outcome = run::run(&case, &mut scene, limits, &mut watch).map_err(write)?;
     phases.insert("solve".to_owned(), before.elapsed().as_secs_f64());
     let solve_cpu = cpu_seconds().zip(cpu_before).map(|(b, a)| b - a);
     watch.progress.done();
-    let record = record(&case, &source, scene.effects.clone(), scene.simulation.work.clone(), &outcome);
-    let timing = finish(&case, &mut watch.folder, &record, &scene, started, phases, solve_cpu).map_err(write)?;
-    say(args, &record, &timing, &out.display().to_string());
+    let record = record(&case, &source, &scene, &outcome);
+    let drawn = finish(&case, &mut watch.folder, &record, &mut phases).map_err(write)?;
+    let timing = timing(&record, &scene, started, phases, solve_cpu);
+    watch.folder.write_json("timing.json", &timing).map_err(write)?;
+    say(args, &record, &timing, &out.display().to_string())?;
+    drawn.map_err(write)?;
     Failure::of(outcome.status, &outcome.message).map_or(Ok(()), Err)
 }
 
@@ -104,39 +101,45 @@ fn default_out(input: &CaseArgs) -> PathBuf {
     PathBuf::from("out").join(input.case.file_stem().unwrap_or_default())
 }
 
-/// Record first, so that nothing that goes wrong later can lose it; then pictures and timing.
+/// Record first, so that nothing that goes wrong later can lose it; then the pictures, whose
+/// failure is handed on inside.
 fn finish(
     case: &Case,
     folder: &mut Folder,
     record: &Record,
-    scene: &Scene,
-    started: Instant,
-    mut phases: BTreeMap<String, f64>,
-    solve_cpu: Option<f64>,
-) -> std::io::Result<Timing> {
+    phases: &mut BTreeMap<String, f64>,
+) -> std::io::Result<std::io::Result<()>> {
     folder.history.flush()?;
     folder.write_json("record.json", record)?;
     let before = Instant::now();
-    pictures::draw(folder.path(), case, &folder.history.rows, folder.frames())?;
+    let drawn = pictures::draw(folder.path(), case, &folder.history.rows, folder.frames());
     phases.insert("pictures".to_owned(), before.elapsed().as_secs_f64());
-    let timing = Timing {
+    Ok(drawn)
+}
+
+fn timing(
+    record: &Record,
+    scene: &Scene,
+    started: Instant,
+    by_phase: BTreeMap<String, f64>,
+    solve_cpu: Option<f64>,
+) -> Timing {
+    Timing {
         wall_s: started.elapsed().as_secs_f64(),
         cpu_s: cpu_seconds(),
-        by_phase: phases,
+        by_phase,
         threads: 1,
         peak_memory_bytes: peak_memory(),
         bytes_per_point: scene.simulation.body.bytes_per_point(),
         particle_steps_per_cpu_s: solve_cpu.filter(|c| *c > 0.0).map(|c| record.work.particle_steps as f64 / c),
         instruction_path: format!("{:?}", FpPath::best()).to_lowercase(),
-    };
-    folder.write_json("timing.json", &timing)?;
-    Ok(timing)
+    }
 }
 
-fn say(args: &Args, record: &Record, timing: &Timing, out: &str) {
+fn say(args: &Args, record: &Record, timing: &Timing, out: &str) -> Result<(), Failure> {
     if args.json {
-        println!("{}", serde_json::json!({ "record": record, "timing": timing }));
+        print(&format!("{}\n", serde_json::json!({ "record": record, "timing": timing })))
     } else {
-        print!("{}", summary::text(record, timing, out));
+        print(&summary::text(record, timing, out))
     }
 }

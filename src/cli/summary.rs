@@ -50,11 +50,11 @@ fn balances(s: &mut String, r: &Record) -> std::fmt::Result {
 }
 
 fn cost(s: &mut String, r: &Record, t: &Timing) -> std::fmt::Result {
-    let rate = t.particle_steps_per_cpu_s.unwrap_or(f64::NAN) / 1e6;
+    let rate = t.particle_steps_per_cpu_s.map_or("-".to_owned(), |r| format!("{:.1}", r / 1e6));
     let dt = r.dt_s.get("mean").and_then(serde_json::Value::as_f64).unwrap_or(f64::NAN);
     writeln!(
         s,
-        "  cost        {} steps of {:.2} ms, {} rejected; {:.1} s, {rate:.1} M particle-steps per CPU second, {:.0} bytes a point",
+        "  cost        {} steps of {:.2} ms, {} rejected; {:.1} s, {rate} M particle-steps per CPU second, {:.0} bytes a point",
         r.work.steps, 1e3 * dt, r.work.rejected_steps, t.wall_s, t.bytes_per_point
     )
 }

@@ -61,7 +61,8 @@ impl Effect for LocalDamping {
     }
 }
 
-/// f_i -= c m_i v_i.
+/// f_i -= m_i v_i (1 - exp(-c dt)) / dt: the velocity of a free body decays exactly as exp(-c t),
+/// whatever the step.
 pub struct ViscousDamping {
     /// c (1/s).
     rate: f64,
@@ -86,11 +87,12 @@ impl Effect for ViscousDamping {
 
     fn force(&mut self, nodes: &mut Nodes, clock: Clock) {
         let n = nodes.count;
+        let rate = -(-self.rate * clock.dt).exp_m1() / clock.dt;
         for axis in 0..2 {
             let books = &mut self.ledger.step;
             let motion = nodes.mass[..n].iter().zip(&nodes.old_velocity[axis]);
             for (f, (m, v)) in nodes.force[axis][..n].iter_mut().zip(motion) {
-                let drag = -self.rate * m * v;
+                let drag = -rate * m * v;
                 *f += drag;
                 books.dissipated -= drag * v * clock.dt;
                 books.impulse[axis] += drag * clock.dt;

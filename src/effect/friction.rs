@@ -30,7 +30,8 @@ pub enum Contact {
 /// never past rest.
 #[inline]
 pub fn contact_law(normal: f64, tangential: f64, coefficient: f64, separation: bool) -> (f64, f64, Contact) {
-    if normal >= 0.0 && separation {
+    // what is not a number must stay so, to be caught at the points
+    if normal.is_nan() || (normal >= 0.0 && separation) {
         return (normal, tangential, Contact::Open);
     }
     let push = (-normal).max(0.0);

@@ -29,7 +29,8 @@ impl Support {
             if pass == Pass::Update {
                 self.ledger.step.impulse[axis] -= mass * *v;
             }
-            *v = 0.0;
+            // zero, but what is not a number stays so, to be caught at the points
+            *v -= *v;
         }
     }
 }

@@ -24,7 +24,7 @@ pub fn plateaus(time: &[f64], r: &[f64], hold: f64, length: f64) -> Vec<Plateau>
         }
         let until = if i < r.len() { time[i] } else { f64::INFINITY };
         if r[start] > 0.0 && until - time[start] >= hold {
-            let near = r.iter().position(|v| *v > r[start] - 0.5 * length).unwrap_or(start);
+            let near = r.iter().position(|v| *v > (r[start] - 0.5 * length).max(0.0)).unwrap_or(start);
             push(&mut found, time[near], r[start], length);
         }
         start = i;
@@ -33,11 +33,11 @@ pub fn plateaus(time: &[f64], r: &[f64], hold: f64, length: f64) -> Vec<Plateau>
 }
 
 fn push(found: &mut Vec<Plateau>, from_s: f64, sliding_distance_m: f64, length: f64) {
+    let before = found.last().map_or(0.0, |p| p.sliding_distance_m);
     match found.last_mut() {
-        Some(last) if sliding_distance_m - last.sliding_distance_m < length => {
-            last.sliding_distance_m = sliding_distance_m;
-        }
-        _ => found.push(Plateau { from_s, sliding_distance_m }),
+        Some(last) if sliding_distance_m - before < length => last.sliding_distance_m = sliding_distance_m,
+        _ if sliding_distance_m - before >= length => found.push(Plateau { from_s, sliding_distance_m }),
+        _ => {}
     }
 }
 

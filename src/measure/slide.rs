@@ -52,13 +52,21 @@ pub fn slide_volume(s: &Snapshot, threshold: f64) -> f64 {
         let u = s.displacement(*i);
         u[0].hypot(u[1]) > threshold
     };
-    (0..s.len()).filter(moved).map(|i| s.initial_volume[i] * s.jacobian[i]).sum()
+    (0..s.len()).filter(moved).map(|i| s.initial_volume[i] * s.jacobian[i]).fold(0.0, |a, v| a + v)
 }
 
-/// How far the front of the soil has moved beyond its initial front (m), along +x.
-pub fn runout(s: &Snapshot) -> f64 {
-    let front = |points: &[[f64; 2]]| points.iter().map(|x| x[0]).fold(f64::NEG_INFINITY, f64::max);
-    (front(&s.position) - front(&s.reference)).max(0.0)
+/// How far the front of the moving soil has come beyond its initial front (m), along +x. Soil
+/// that moved by less than `threshold` (m), such as a foundation, has no part in it.
+pub fn runout(s: &Snapshot, threshold: f64) -> f64 {
+    let moved = |i: &usize| {
+        let u = s.displacement(*i);
+        u[0].hypot(u[1]) > threshold
+    };
+    let front = |points: &[[f64; 2]]| {
+        (0..s.len()).filter(moved).map(|i| points[i][0]).fold(f64::NEG_INFINITY, f64::max)
+    };
+    let runout = front(&s.position) - front(&s.reference);
+    if runout > 0.0 { runout } else { 0.0 }
 }
 
 #[cfg(test)]

@@ -49,7 +49,8 @@ pub fn measures(
     history: &SlideHistory,
     residual_strain: Option<f64>,
 ) -> Measures {
-    let mut m = Measures { runout_m: runout(s), energy_kj_per_m: energies, ..Measures::default() };
+    let threshold = slide.map_or(0.0, |(keys, _)| keys.threshold);
+    let mut m = Measures { runout_m: runout(s, threshold), energy_kj_per_m: energies, ..Measures::default() };
     for stage in &s.stage {
         m.stage_points[*stage as usize] += 1;
     }

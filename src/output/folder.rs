@@ -107,6 +107,7 @@ impl Observer for Folder {
         let name = format!("frames/{:05}.vtp", self.frames.len());
         vtk::write_vtp(&self.path.join(&name), snapshot)?;
         self.frames.push((snapshot.time, name));
+        self.history.flush()?;
         // the index is written anew with each frame, so that a run cut short can be looked at
         vtk::write_pvd(&self.path.join("run.pvd"), &self.frames)
     }

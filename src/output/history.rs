@@ -60,12 +60,23 @@ impl History {
     }
 }
 
-/// Rows of a history file: time, r, and the energies that the pictures show.
+/// Rows of a history file: time, r, and the energies that the pictures show. A last row that was
+/// cut short, by a run that is under way or was killed, is left out.
+///
+/// # Errors
+/// `InvalidData` for a file with other columns; those of the file system.
 pub fn read(path: &Path) -> io::Result<Vec<Sample>> {
-    let mut reader = csv::Reader::from_path(path)?;
+    let mut reader = csv::ReaderBuilder::new().flexible(true).from_path(path)?;
+    if reader.headers()?.iter().ne(COLUMNS) {
+        let text = format!("{}: not a history of this version of rmpm", path.display());
+        return Err(io::Error::new(io::ErrorKind::InvalidData, text));
+    }
     let mut rows = Vec::new();
     for record in reader.records() {
         let record = record?;
+        if record.len() < COLUMNS.len() {
+            continue;
+        }
         let number = |k: usize| record.get(k).and_then(|t| t.parse::<f64>().ok());
         let at = |k: usize| number(k).unwrap_or(f64::NAN);
         rows.push(Sample {

@@ -65,7 +65,7 @@ pub fn draw(folder: &Path, case: &Case, rows: &[Sample], frames: &[(f64, String)
             for kind in [FieldKind::PlasticStrain, FieldKind::Strength, FieldKind::Stage] {
                 let mut o = options(case, kind);
                 o.range = range(case, kind);
-                o.dimensions = distance(case, rows, views.len());
+                o.dimensions = distance(case, rows, &views);
                 plot::field(&to(&format!("{}.png", kind.name())), &views, &o)?;
             }
         }
@@ -87,15 +87,18 @@ pub fn range(case: &Case, kind: FieldKind) -> Option<(f64, f64)> {
     }
 }
 
-/// The arrow of r in the last panel, as the paper draws it.
-pub fn distance(case: &Case, rows: &[Sample], panels: usize) -> Vec<Dimension> {
-    let (Some(slide), Some(r)) = (&case.slide, rows.last().and_then(|s| s.sliding_distance)) else { return Vec::new() };
-    if r <= 0.0 || panels == 0 {
+/// The arrow of r in the last panel, as the paper draws it, at the time of that panel.
+pub fn distance(case: &Case, rows: &[Sample], views: &[&Snapshot]) -> Vec<Dimension> {
+    let (Some(slide), Some(last)) = (&case.slide, views.last()) else { return Vec::new() };
+    let gap = |s: &&Sample| (s.time - last.time).abs();
+    let nearest = rows.iter().min_by(|a, b| gap(a).total_cmp(&gap(b)));
+    let r = nearest.and_then(|s| s.sliding_distance).unwrap_or(0.0);
+    if r <= 0.0 {
         return Vec::new();
     }
     let y = slide.crest[1] + 0.8;
     vec![Dimension {
-        panel: panels - 1,
+        panel: views.len() - 1,
         from: [slide.crest[0] - r, y],
         to: [slide.crest[0], y],
         label: format!("r = {r:.2} m"),

@@ -9,7 +9,7 @@ use crate::{
     math::simd::FpPath,
     measure::summary::Measures,
     run::{Outcome, Status},
-    scene::EffectNote,
+    scene::{EffectNote, Scene, Warning},
     work::Work,
 };
 
@@ -76,21 +76,6 @@ pub struct Ending {
     pub message: String,
 }
 
-/// What the user should know about the answer.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Warning {
-    pub code: String,
-    pub text: String,
-    /// The key of the case that it is about.
-    pub key: String,
-}
-
-impl Warning {
-    fn new(code: &str, key: &str, text: String) -> Self {
-        Warning { code: code.to_owned(), key: key.to_owned(), text }
-    }
-}
-
 /// Where a case came from.
 #[derive(Clone, Debug)]
 pub struct Source {
@@ -102,9 +87,10 @@ pub struct Source {
 }
 
 /// The record of a finished run.
-pub fn record(case: &Case, source: &Source, effects: Vec<EffectNote>, work: Work, outcome: &Outcome) -> Record {
+pub fn record(case: &Case, source: &Source, scene: &Scene, outcome: &Outcome) -> Record {
     let mut warnings: Vec<Warning> =
         source.warnings.iter().map(|d| Warning::new("case", &d.key, d.message.clone())).collect();
+    warnings.extend(scene.warnings.iter().cloned());
     warnings.extend(about(case, outcome));
     Record {
         schema_version: SCHEMA_VERSION,
@@ -117,13 +103,13 @@ pub fn record(case: &Case, source: &Source, effects: Vec<EffectNote>, work: Work
         scheme: case.solver.scheme,
         kinematics: case.solver.kinematics,
         seed: case.seed,
-        effects,
+        effects: scene.effects.clone(),
         dt_s: json!({ "min": outcome.dt.min, "mean": outcome.dt.mean, "max": outcome.dt.max }),
         outcome: Ending { status: outcome.status, time_s: outcome.time, message: outcome.message.clone() },
         fault: outcome.fault.as_ref().map(fault_value),
         warnings,
         measures: outcome.measures.clone(),
-        work,
+        work: scene.simulation.work.clone(),
     }
 }
 

@@ -1,11 +1,15 @@
 //! The time loop of a run: steps, samples, frames, and when it is over.
 
+mod rest;
+
 use std::{
     sync::atomic::{AtomicBool, Ordering},
     time::{Duration, Instant},
 };
 
 use serde::Serialize;
+
+use rest::Rest;
 
 use crate::{
     case::{self, Case},
@@ -86,7 +90,7 @@ pub struct Blind;
 impl Observer for Blind {}
 
 /// What may end a run from outside.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Limits<'a> {
     /// Set by an interrupt.
     pub interrupt: Option<&'a AtomicBool>,
@@ -99,7 +103,7 @@ impl Limits<'_> {
     pub const NONE: Limits<'static> = Limits { interrupt: None, time_limit: None };
 }
 
-/// Steps between two looks at the clock and the interrupt.
+/// Steps between two looks at the clock, the interrupt and the state of rest.
 const LOOK: u64 = 16;
 
 struct Loop<'a> {
@@ -111,7 +115,6 @@ struct Loop<'a> {
     dt: StepRange,
     next_sample: f64,
     next_frame: f64,
-    load_end: f64,
 }
 
 /// Runs a scene to its end. The outcome holds the faults of the numerics; `Err` is a failure to
@@ -129,6 +132,7 @@ pub fn run(case: &Case, scene: &mut Scene, limits: Limits, observer: &mut dyn Ob
             if limits.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
                 break (Status::Interrupted, None);
             }
+            state.note_rest(sim);
             if limits.time_limit.is_some_and(|t| started.elapsed() > t) {
                 break (Status::ResourceCap, None);
             }
@@ -150,13 +154,12 @@ impl<'a> Loop<'a> {
         Loop {
             case,
             probe,
-            rest: Rest { cell: case.grid.cell, ..Rest::default() },
+            rest: Rest::new(case.end.rest_energy, case.end.rest_hold, case.grid.cell, load_end(&case.gravity.schedule)),
             history: SlideHistory::default(),
             displacement: vec![[0.0; 2]; reference.len()],
             dt: StepRange { min: f64::INFINITY, mean: 0.0, max: 0.0 },
             next_sample: 0.0,
             next_frame: 0.0,
-            load_end: load_end(&case.gravity.schedule),
         }
     }
 
@@ -186,20 +189,28 @@ impl<'a> Loop<'a> {
 
     fn sample(&mut self, sim: &Simulation) -> Sample {
         let energies = sim.energies();
-        let sliding_distance = self.probe.as_ref().zip(self.case.slide.as_ref()).map(|(probe, keys)| {
-            sim.body.displacements(&mut self.displacement);
-            probe.by_displacement(&self.displacement, keys.threshold)
-        });
+        let sliding_distance = self.sliding_distance(sim);
         self.history.time.push(sim.time);
         self.history.distance.push(sliding_distance.unwrap_or(0.0));
-        self.rest.note(sim.time, energies.nodal_kinetic, sliding_distance.unwrap_or(0.0));
         Sample { time: sim.time, dt: sim.dt, energies, sliding_distance, particle_steps: sim.work.particle_steps }
+    }
+
+    fn sliding_distance(&mut self, sim: &Simulation) -> Option<f64> {
+        let (probe, keys) = self.probe.as_ref().zip(self.case.slide.as_ref())?;
+        sim.body.displacements(&mut self.displacement);
+        Some(probe.by_displacement(&self.displacement, keys.threshold))
+    }
+
+    /// Looks whether the body has come to rest. Not tied to the output, which must not change
+    /// the answer.
+    fn note_rest(&mut self, sim: &Simulation) {
+        let r = self.sliding_distance(sim).unwrap_or(0.0);
+        self.rest.note(sim.time, sim.nodal_kinetic_energy(), r, sim.settling());
     }
 
     fn finished(&self, sim: &Simulation) -> Option<Status> {
         let end = &self.case.end;
-        let quiet = self.rest.quiet(sim.time, end.rest_energy, end.rest_hold);
-        if end.at_rest && !sim.settling() && sim.time > self.load_end && quiet {
+        if end.at_rest && !sim.settling() && self.rest.reached(sim.time) {
             return Some(Status::AtRest);
         }
         // a remainder below rounding is no step
@@ -254,31 +265,5 @@ fn message(status: Status, fault: Option<&Fault>, time: f64) -> String {
         (Status::Failed, None) => "the solver gave up".to_owned(),
         (Status::Interrupted, _) => format!("interrupted at {time:.2} s; what was done is kept"),
         (Status::ResourceCap, _) => format!("the time limit was reached at {time:.2} s; what was done is kept"),
-    }
-}
-
-/// The test for rest. r counts as unchanged within one cell: a point that vibrates about the
-/// threshold moves r by a column or two.
-#[derive(Clone, Copy, Debug, Default)]
-struct Rest {
-    cell: f64,
-    peak: f64,
-    now: f64,
-    distance: f64,
-    changed: f64,
-}
-
-impl Rest {
-    fn note(&mut self, time: f64, kinetic: f64, distance: f64) {
-        self.peak = self.peak.max(kinetic);
-        self.now = kinetic;
-        if (distance - self.distance).abs() > self.cell * (1.0 + 1e-9) {
-            self.distance = distance;
-            self.changed = time;
-        }
-    }
-
-    fn quiet(&self, time: f64, ratio: f64, hold: f64) -> bool {
-        self.now <= ratio * self.peak && time - self.changed >= hold
     }
 }

@@ -3,8 +3,10 @@
 mod effects;
 mod materials;
 mod notes;
+mod warnings;
 
 pub use notes::{EffectNote, explain};
+pub use warnings::Warning;
 
 use std::fmt;
 
@@ -52,10 +54,8 @@ pub struct Scene {
     /// Cells with points at the start, and those cut by an outline.
     pub cells: u64,
     pub cut_cells: u64,
-    /// Names of the materials, by index.
-    pub materials: Vec<String>,
-    /// Time from which the run proper counts: the end of an in-situ phase (s).
-    pub start: f64,
+    /// What the user should know before the run.
+    pub warnings: Vec<Warning>,
 }
 
 /// Builds the scene of a case, unless it would take more than `max_memory` bytes.
@@ -71,20 +71,22 @@ pub fn build(case: &Case, max_memory: u64) -> Result<Scene, SceneError> {
         return Err(refuse("region", "no material point lies inside the regions".to_owned()));
     }
     check_inside(&grid, &seeding)?;
+    check_regions(case, &seeding)?;
+    check_initial_stress(case)?;
     let body = body(case, &outlines, &seeding)?;
     let (in_situ, body) = in_situ(case, body);
     let integrator = Explicit::new(Linear, grid, settings(case), effects::build(case));
     let mut simulation =
         Simulation::new(body, Box::new(integrator), Control::new(case.explicit.time_step), in_situ);
     simulation.work.cells = seeding.cells;
+    let warnings = warnings::list(case, &mut simulation);
     Ok(Scene {
         effects: notes::list(case, &simulation),
         simulation,
         grid,
         cells: seeding.cells,
         cut_cells: seeding.cut_cells,
-        materials: case.material.keys().cloned().collect(),
-        start: settling_time(case),
+        warnings,
     })
 }
 
@@ -129,6 +131,30 @@ fn check_inside(grid: &Grid, seeding: &Seeding) -> Result<(), SceneError> {
         None => Ok(()),
         Some(p) => Err(refuse("grid.size", format!("a material point at ({}, {}) m lies outside the grid", p.x[0], p.x[1]))),
     }
+}
+
+/// A region that no point represents would be missing without a word.
+fn check_regions(case: &Case, seeding: &Seeding) -> Result<(), SceneError> {
+    let empty = |k: &usize| !seeding.points.iter().any(|p| p.region == *k);
+    match (0..case.region.len()).find(empty) {
+        None => Ok(()),
+        Some(k) => {
+            let name = &case.region[k].name;
+            Err(refuse("grid.cell", format!("region `{name}` is too thin to hold a material point; use smaller cells or more points")))
+        }
+    }
+}
+
+/// A K0 stress balances full gravity straight down, and nothing else.
+fn check_initial_stress(case: &Case) -> Result<(), SceneError> {
+    let is_k0 = matches!(case.initial_stress, case::InitialStress::K0 { .. });
+    if is_k0 && case.gravity.schedule != case::GravitySchedule::AtOnce {
+        return Err(refuse("gravity.schedule", "a k0 stress balances full gravity: it needs schedule = \"at_once\"".to_owned()));
+    }
+    if is_k0 && case.gravity.tilt != 0.0 {
+        return Err(refuse("gravity.tilt", "a k0 stress is for level ground: it needs tilt = 0".to_owned()));
+    }
+    Ok(())
 }
 
 fn settings(case: &Case) -> Settings {

@@ -152,5 +152,5 @@ pub fn explain(scene: &Scene) -> String {
         let cost = if e.on { format!("{:.1}", e.bytes_per_point) } else { "-".to_owned() };
         text += &format!("{:<18}  {:<3}  {:>16}  {}\n", e.name, if e.on { "yes" } else { "no" }, cost, e.why);
     }
-    text + &format!("\n{total:.0} bytes a point and step for the effects that are on; an absent effect has no array and no call.\n")
+    text + &format!("\n{total:.0} bytes a point and step are moved for these effects, beside positions, velocities and stresses;\nan absent effect has no array and no call.\n")
 }

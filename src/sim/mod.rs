@@ -122,6 +122,11 @@ impl Simulation {
         self.integrator.books()
     }
 
+    /// Nodal kinetic energy after the last step (kJ/m).
+    pub fn nodal_kinetic_energy(&self) -> f64 {
+        self.integrator.nodal_kinetic_energy()
+    }
+
     /// All energies, and the balance between them.
     pub fn energies(&self) -> Energies {
         let books = self.integrator.books();

@@ -28,14 +28,16 @@ const EDGE: f64 = 1e-10;
 /// 2^52 + 2^51: adding it rounds to a whole number, which then stands in the low bits.
 const ROUND: f64 = 6_755_399_441_055_744.0;
 
-/// Splits a coordinate in cells into cell number and local coordinate in [EDGE, 1 - EDGE].
+/// Splits a coordinate in cells into cell number, at most `last`, and local coordinate in
+/// [EDGE, 1 - EDGE].
 #[inline(always)]
-fn split(g: f64) -> (u32, f64) {
-    let t = (g - 0.5) + ROUND;
-    let local = g - (t - ROUND);
+fn split(g: f64, last: f64) -> (u32, f64) {
+    let cell = ((g - 0.5) + ROUND) - ROUND;
+    let cell = if cell > last { last } else { cell };
+    let local = g - cell;
     let clamped = if local < EDGE { EDGE } else { local };
     let clamped = if clamped > 1.0 - EDGE { 1.0 - EDGE } else { clamped };
-    (t.to_bits() as u32, clamped)
+    ((cell + ROUND).to_bits() as u32, clamped)
 }
 
 impl Shape<4> for Linear {
@@ -46,9 +48,10 @@ impl Shape<4> for Linear {
         let ih = 1.0 / grid.h;
         let row = grid.row();
         let [ox, oy] = grid.origin;
+        let [last_x, last_y] = grid.cells.map(|n| f64::from(n) - 1.0);
         for i in 0..LANES {
-            let (cx, xi) = split((x[i] - ox) * ih);
-            let (cy, eta) = split((y[i] - oy) * ih);
+            let (cx, xi) = split((x[i] - ox) * ih, last_x);
+            let (cy, eta) = split((y[i] - oy) * ih, last_y);
             s.base[i] = cy.wrapping_mul(row).wrapping_add(cx);
             let (xm, ym) = (1.0 - xi, 1.0 - eta);
             s.weight[0][i] = xm * ym;

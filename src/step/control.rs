@@ -3,7 +3,7 @@
 use crate::{
     body::Body,
     effect::Clock,
-    fault::{Fault, FaultKind},
+    fault::Fault,
     step::Integrator,
     work::Work,
 };
@@ -68,14 +68,12 @@ impl Control {
         work.rejected_steps += 1;
         self.quiet = 0;
         self.cut *= 0.5;
-        let mut fault = Fault { step: work.steps + 1, time_s: clock.time, ..fault };
+        let fault = Fault { step: work.steps + 1, time_s: clock.time, ..fault };
         if !fault.curable() {
             return Err(fault);
         }
         if self.cut < SMALLEST {
-            fault = fault.with("dt_s", clock.dt);
-            fault.kind = if fault.kind == FaultKind::NonFinite { fault.kind } else { FaultKind::StepTooSmall };
-            return Err(fault);
+            return Err(fault.with("step_cut_to_s", clock.dt));
         }
         Ok(())
     }

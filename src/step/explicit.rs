@@ -96,6 +96,19 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
         }
     }
 
+    fn try_step(&mut self, body: &mut Body, clock: Clock, work: &mut Work) -> Result<(), Fault> {
+        let runs = self.scatter(body);
+        let mean_mass = if self.settings.mass_floor > 0.0 { body.total_mass() / body.len() as f64 } else { 0.0 };
+        let floor = self.update_nodes(clock, mean_mass, work);
+        self.push(body, clock.dt)?;
+        self.strain_velocity(clock, work);
+        let Explicit { scratch, nodes, shape, path, .. } = self;
+        let plastic = path.run(Strain { scratch: scratch.as_mut(), body, nodes, dt: clock.dt, shape: *shape })?;
+        self.commit(body, plastic, floor, work);
+        self.keep_sorted(body, runs, work);
+        Ok(())
+    }
+
     /// Puts the points back in cell order when too many runs of equal nodes have been broken.
     fn keep_sorted(&mut self, body: &mut Body, runs: u64, work: &mut Work) {
         if self.runs_when_sorted == 0 {
@@ -244,16 +257,15 @@ impl<S: Shape<N>, const N: usize> Integrator for Explicit<S, N> {
     }
 
     fn step(&mut self, body: &mut Body, clock: Clock, work: &mut Work) -> Result<(), Fault> {
-        let runs = self.scatter(body);
-        let mean_mass = if self.settings.mass_floor > 0.0 { body.total_mass() / body.len() as f64 } else { 0.0 };
-        let floor = self.update_nodes(clock, mean_mass, work);
-        self.push(body, clock.dt)?;
-        self.strain_velocity(clock, work);
-        let Explicit { scratch, nodes, shape, path, .. } = self;
-        let plastic = path.run(Strain { scratch: scratch.as_mut(), body, nodes, dt: clock.dt, shape: *shape })?;
-        self.commit(body, plastic, floor, work);
-        self.keep_sorted(body, runs, work);
-        Ok(())
+        let result = self.try_step(body, clock, work);
+        if result.is_err() {
+            // leave the nodes as the committed body has them, not as the refused step did
+            self.scatter(body);
+            invert_mass(&mut self.nodes);
+            let Nodes { velocity, momentum, inverse_mass, count, .. } = &mut self.nodes;
+            divide(velocity, momentum, inverse_mass, *count);
+        }
+        result
     }
 
     fn nodal_kinetic_energy(&self) -> f64 {

@@ -12,12 +12,12 @@ use serde::Serialize;
 
 use super::variant::Variant;
 use crate::{
-    case,
+    case::{self, Case},
     fault::Fault,
     math::stats::Summary,
     output::record::{Build, SCHEMA_VERSION},
     run::{self, Blind, Limits, Status},
-    scene,
+    scene::{self, Scene},
     snapshot::Snapshot,
 };
 
@@ -35,6 +35,8 @@ pub struct Plan {
     /// Largest relative change of strength.
     pub jitter: f64,
     pub max_memory: u64,
+    /// What may end the runs early; those that it ends are counted as not at rest.
+    pub limits: Limits<'static>,
 }
 
 /// One run.
@@ -110,6 +112,7 @@ pub fn usual_variants(cell: f64, per_axis: usize) -> Vec<Variant> {
 /// # Errors
 /// The first variant that cannot be read or built, with its message.
 pub fn converge(plan: &Plan, progress: &(dyn Fn(usize, usize) + Sync)) -> Result<Study, String> {
+    plan.variants.iter().try_for_each(|v| prepare(plan, v, 0).map(drop))?;
     let jobs: Vec<(usize, u64)> =
         (0..plan.variants.len()).flat_map(|v| (0..plan.runs as u64).map(move |k| (v, k))).collect();
     let (done, problem) = (AtomicUsize::new(0), Mutex::new(None));
@@ -139,15 +142,21 @@ pub fn converge(plan: &Plan, progress: &(dyn Fn(usize, usize) + Sync)) -> Result
     })
 }
 
-/// One run of a variant; the cells that hold soil come with it.
-fn one(plan: &Plan, variant: &Variant, realisation: u64) -> Result<(u64, Run), String> {
+/// The case of one run of a variant, and its scene.
+fn prepare(plan: &Plan, variant: &Variant, realisation: u64) -> Result<(Case, Scene), String> {
     let mut overrides = plan.overrides.clone();
     overrides.extend(variant.overrides.iter().cloned());
     overrides.push(format!("jitter.strength={:?}", plan.jitter));
     overrides.push(format!("jitter.realisation={realisation}"));
     let (case, _) = case::read(&plan.name, &plan.text, &overrides).map_err(|e| e.render(false))?;
-    let mut scene = scene::build(&case, plan.max_memory).map_err(|e| format!("{}: {e}", variant.label))?;
-    let outcome = run::run(&case, &mut scene, Limits::NONE, &mut Blind).map_err(|e| e.to_string())?;
+    let scene = scene::build(&case, plan.max_memory).map_err(|e| format!("{}: {e}", variant.label))?;
+    Ok((case, scene))
+}
+
+/// One run of a variant; the cells that hold soil come with it.
+fn one(plan: &Plan, variant: &Variant, realisation: u64) -> Result<(u64, Run), String> {
+    let (case, mut scene) = prepare(plan, variant, realisation)?;
+    let outcome = run::run(&case, &mut scene, plan.limits, &mut Blind).map_err(|e| e.to_string())?;
     let m = &outcome.measures;
     let e = &m.energy_kj_per_m;
     let run = Run {
@@ -186,7 +195,7 @@ fn row(variant: &Variant, runs: Vec<(u64, Run)>) -> Row {
         rest_time_s: summary(|r| Some(r.rest_time_s)),
         failed: runs.len() - sound.len(),
         censored: runs.iter().filter(|r| r.censored).count(),
-        not_at_rest: runs.iter().filter(|r| r.status == Status::EndTime).count(),
+        not_at_rest: runs.iter().filter(|r| matches!(r.status, Status::EndTime | Status::Interrupted)).count(),
         runs,
     }
 }
@@ -228,7 +237,7 @@ pub fn typical(row: &Row) -> Option<&Run> {
 pub fn table(study: &Study) -> String {
     let mut text = format!(
         "{:<28} {:>6} {:>7} {:>5} {:>9} {:>15} {:>15} {:>14} {:>7} {:>11} {:>8}\n",
-        "variant", "cells", "points", "runs", "median r", "quartiles", "min to max", "mean +- se", "blocks", "first block", "rest (s)"
+        "variant", "cells", "points", "runs", if study.rows.iter().any(|r| r.sliding_distance_m.is_some()) { "median r" } else { "run-out" }, "quartiles", "min to max", "mean +- se", "blocks", "first block", "rest (s)"
     );
     study.rows.iter().for_each(|row| text += &line(row));
     for remark in &study.remarks {

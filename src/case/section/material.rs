@@ -142,16 +142,17 @@ fn check_residual(cursor: &Cursor<'_>, at: &Places, s: &Strength) {
     }
 }
 
-/// The return to the yield surface exists while 3G + k H > 0.
+/// The return to the yield surface exists while 3G + k f H > 0, f being the factor on the strength:
+/// J, or 1/J. Half as much again as the initial volume is allowed for.
 fn check_softening(cursor: &Cursor<'_>, at: &Places, e: &Elastic, s: &Strength) {
     let shear_modulus = e.young_modulus / (2.0 * (1.0 + e.poisson_ratio));
-    let least = -3.0 * shear_modulus / s.yield_constant;
+    let least = -3.0 * shear_modulus / (1.5 * s.yield_constant);
     if s.softening_modulus > least {
         return;
     }
     let path = format!("{}.softening_modulus", cursor.path);
     let message = format!("`{path}` = {} is too steep", figure(s.softening_modulus));
-    let label = format!("must be greater than -3 G / k = {} kPa", rounded(least));
+    let label = format!("must be greater than -3 G / (1.5 k) = {} kPa", rounded(least));
     let help = "the strength would drop faster than the stress: raise `softening_modulus` or \
                 `young_modulus`";
     cursor.log.error(at.softening, &path, Problem::new(message, label).help(help));
