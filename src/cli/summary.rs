@@ -31,7 +31,8 @@ fn slide(s: &mut String, r: &Record) -> std::fmt::Result {
     let censored = if m.sliding_distance_censored { ", censored by the wall" } else { "" };
     let plateaus: Vec<String> =
         m.plateaus.iter().map(|p| format!("{:.2} m at {:.1} s", p.sliding_distance_m, p.from_s)).collect();
-    writeln!(s, "  slide       r = {distance:.2} m{censored}; {} blocks: {}", plateaus.len(), plateaus.join(", "))?;
+    let colon = if plateaus.is_empty() { "" } else { ": " };
+    writeln!(s, "  slide       r = {distance:.2} m{censored}; {} blocks{colon}{}", plateaus.len(), plateaus.join(", "))?;
     let others: Vec<String> = m.sliding_distance_at.iter().map(|(k, v)| format!("{k}: {v:.2} m")).collect();
     writeln!(s, "              r by threshold  {}", others.join(", "))?;
     let volume = m.slide_volume_m3_per_m.unwrap_or(0.0);
@@ -50,7 +51,8 @@ fn balances(s: &mut String, r: &Record) -> std::fmt::Result {
 }
 
 fn cost(s: &mut String, r: &Record, t: &Timing) -> std::fmt::Result {
-    let rate = t.particle_steps_per_cpu_s.map_or("-".to_owned(), |r| format!("{:.1}", r / 1e6));
+    // a run shorter than a tick of the CPU clock has no rate
+    let rate = t.particle_steps_per_cpu_s.map_or("-".to_owned(), |rate| format!("{:.1}", rate / 1e6));
     let dt = r.dt_s.get("mean").and_then(serde_json::Value::as_f64).unwrap_or(f64::NAN);
     writeln!(
         s,

@@ -76,8 +76,8 @@ mod tests {
     #[test]
     fn a_late_block_delays_rest_and_a_flickering_column_does_not() {
         let energy = |t: f64| if t < 6.0 { 100.0 } else { 1e-3 };
-        let late = after(energy, |t| if t < 12.0 { 3.0 } else { 5.0 }).unwrap();
-        assert!((late - 16.0).abs() < 0.1, "{late}");
+        let late = after(energy, |t| if t < 8.0 { 3.0 } else { 5.0 }).unwrap();
+        assert!((late - 12.0).abs() < 0.1, "{late}");
         let flicker = after(energy, |t| 3.0 + 0.125 * f64::from((10.0 * t) as i32 % 2)).unwrap();
         assert!((flicker - 10.0).abs() < 0.1, "{flicker}");
     }
