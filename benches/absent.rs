@@ -160,7 +160,8 @@ fn move_nodes(nodes: &mut Nodes) -> [f64; 3] {
 fn account(nodes: &Nodes) -> [f64; 3] {
     let n = nodes.count;
     let mass: f64 = nodes.mass[..n].iter().sum();
-    let [px, py] = [0, 1].map(|axis| nodes.mass[..n].iter().zip(&nodes.velocity[axis]).map(|(m, v)| m * v).sum::<f64>());
+    let [px, py] =
+        [0, 1].map(|axis| nodes.mass[..n].iter().zip(&nodes.velocity[axis]).map(|(m, v)| m * v).sum::<f64>());
     [(GRAVITY[0] * px + GRAVITY[1] * py) * DT, GRAVITY[0] * mass * DT, GRAVITY[1] * mass * DT]
 }
 
@@ -198,7 +199,11 @@ fn compare() -> ExitCode {
         println!("{name:<28}{:>9.1}", per_point(name));
     }
     let excess = bare / hand - 1.0;
-    println!("scene without effects over the written-out loop: {:+.2} % (allowed {:.0} %)", 100.0 * excess, 100.0 * ALLOWED);
+    println!(
+        "scene without effects over the written-out loop: {:+.2} % (allowed {:.0} %)",
+        100.0 * excess,
+        100.0 * ALLOWED
+    );
     if excess <= ALLOWED { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 

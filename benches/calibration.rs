@@ -12,10 +12,7 @@ use std::time::Instant;
 const FINE: f64 = 5.0 / 105.0;
 
 fn main() {
-    let args: Vec<String> = std::env::args()
-        .skip(1)
-        .filter(|a| a != "--bench")
-        .collect();
+    let args: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
     match args.first().map(String::as_str) {
         Some("--slide") => slides(),
         Some("--count") => count(&args[1..]),
@@ -24,14 +21,8 @@ fn main() {
 }
 
 fn rates() {
-    println!(
-        "million particle-steps per second of {}, best of the repeats",
-        Clock::start().name()
-    );
-    println!(
-        "{:<8} {:>8} {:>8} {:>9} {:>8}",
-        "law", "points", "rate", "yielded", "r (m)"
-    );
+    println!("million particle-steps per second of {}, best of the repeats", Clock::start().name());
+    println!("{:<8} {:>8} {:>8} {:>9} {:>8}", "law", "points", "rate", "yielded", "r (m)");
     rate::<Hencky>("hencky");
     rate::<Rate>("rate");
 }
@@ -58,12 +49,7 @@ fn report<L: Law>(name: &str, slope: &mut Scalar<L>, dt: f64, steps: usize, repe
         best = best.max(steps as f64 * slope.points() as f64 / clock.seconds());
     }
     let r = slope.sliding_distance(0.25);
-    println!(
-        "{name:<8} {:>8} {:>8.2} {:>9.3} {r:>8.2}",
-        slope.points(),
-        best * 1e-6,
-        slope.yielded()
-    );
+    println!("{name:<8} {:>8} {:>8.2} {:>9.3} {r:>8.2}", slope.points(), best * 1e-6, slope.yielded());
 }
 
 fn slides() {
@@ -125,11 +111,7 @@ fn count_law<L: Law>(steps: usize) {
     for _ in 0..steps {
         slope.step(0.002);
     }
-    println!(
-        "{} particle-steps, yielded {:.3}",
-        steps * slope.points(),
-        slope.yielded()
-    );
+    println!("{} particle-steps, yielded {:.3}", steps * slope.points(), slope.yielded());
 }
 
 fn run_to<L: Law>(slope: &mut Scalar<L>, time: f64, dt: f64) {
@@ -146,18 +128,11 @@ struct Clock {
 
 impl Clock {
     fn start() -> Self {
-        Self {
-            wall: Instant::now(),
-            cpu: scheduled_ns(),
-        }
+        Self { wall: Instant::now(), cpu: scheduled_ns() }
     }
 
     fn name(&self) -> &'static str {
-        if self.cpu.is_some() {
-            "CPU time (/proc/self/schedstat)"
-        } else {
-            "wall time"
-        }
+        if self.cpu.is_some() { "CPU time (/proc/self/schedstat)" } else { "wall time" }
     }
 
     fn seconds(&self) -> f64 {

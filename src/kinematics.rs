@@ -100,12 +100,7 @@ impl Kinematics for Rate {
         let shear = 0.5 * (du.xy + du.yx);
         let turn = 2.0 * (w * e.xy);
         Trial {
-            strain: Voigt::new(
-                e.xx + (du.xx + turn),
-                e.yy + (du.yy - turn),
-                e.zz,
-                e.xy + (shear + w * (e.yy - e.xx)),
-            ),
+            strain: Voigt::new(e.xx + (du.xx + turn), e.yy + (du.yy - turn), e.zz, e.xy + (shear + w * (e.yy - e.xx))),
             jacobian: 1.0 + (du.xx + du.yy + (du.xx * du.yy - du.xy * du.yx)),
             inside: true,
         }

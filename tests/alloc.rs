@@ -64,7 +64,12 @@ fn run_through_failure(keys: &[&str], steps: usize) {
     assert!(yielded(&sim) > 0.4, "the slope has not failed: {} yielded", yielded(&sim));
     assert!(sim.work.sorts > 0, "no sort was watched");
     assert!(sim.work.node_growths - growths_before < 8);
-    assert!(wrong.is_empty(), "{} of {steps} steps allocate, such as (step, times) {:?}", wrong.len(), &wrong[..wrong.len().min(8)]);
+    assert!(
+        wrong.is_empty(),
+        "{} of {steps} steps allocate, such as (step, times) {:?}",
+        wrong.len(),
+        &wrong[..wrong.len().min(8)]
+    );
 }
 
 #[test]
@@ -86,6 +91,12 @@ fn no_step_allocates_on_the_papers_cells() {
 
 #[test]
 fn no_step_allocates_with_every_effect() {
-    let keys = ["grid.cell=0.5", "gravity.schedule=at_once", "jitter.strength=0.01", "damping.viscous=0.01", "damping.local=0.001"];
+    let keys = [
+        "grid.cell=0.5",
+        "gravity.schedule=at_once",
+        "jitter.strength=0.01",
+        "damping.viscous=0.01",
+        "damping.local=0.001",
+    ];
     run_through_failure(&keys, 1500);
 }

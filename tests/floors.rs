@@ -9,8 +9,29 @@ use std::{
 
 /// Top modules, lowest first. `measure` stands above `case` and reads its `Slide` keys.
 const ORDER: [&str; 24] = [
-    "fault", "work", "math", "case", "material", "kinematics", "space", "field", "block", "snapshot", "body",
-    "nodes", "seed", "assembly", "transfer", "effect", "step", "sim", "scene", "measure", "run", "output", "study",
+    "fault",
+    "work",
+    "math",
+    "case",
+    "material",
+    "kinematics",
+    "space",
+    "field",
+    "block",
+    "snapshot",
+    "body",
+    "nodes",
+    "seed",
+    "assembly",
+    "transfer",
+    "effect",
+    "step",
+    "sim",
+    "scene",
+    "measure",
+    "run",
+    "output",
+    "study",
     "cli",
 ];
 
@@ -226,7 +247,8 @@ fn a_violation_is_found_with_its_line() {
 
 #[test]
 fn a_path_inside_a_function_counts_and_a_test_module_does_not() {
-    let text = "fn f() { let x = crate::sim::X; }\n#[cfg(test)]\nmod tests {\n    use crate::cli::Y;\n}\nuse crate::run::Z;\n";
+    let text =
+        "fn f() { let x = crate::sim::X; }\n#[cfg(test)]\nmod tests {\n    use crate::cli::Y;\n}\nuse crate::run::Z;\n";
     let found = violations("body", "src/body.rs", text);
     assert_eq!(found.len(), 2, "{found:?}");
     assert!(found[0].starts_with("src/body.rs:1:") && found[1].starts_with("src/body.rs:6:"));

@@ -60,7 +60,8 @@ fn no_problem_is_left_out_here() {
 #[test]
 fn each_problem_has_a_folder_of_its_name() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("validation");
-    let mut names: Vec<_> = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    let mut names: Vec<_> =
+        std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
     let mut known: Vec<_> = problems().iter().map(|p| p.name().to_owned()).collect();
     names.sort();
     known.sort();

@@ -15,11 +15,7 @@ impl Soil {
     pub fn new(young_modulus: f64, poisson: f64, hardening: f64) -> Self {
         let shear = young_modulus / (2.0 * (1.0 + poisson));
         let lame = 2.0 * shear * poisson / (1.0 - 2.0 * poisson);
-        Self {
-            lame,
-            shear,
-            hardening,
-        }
+        Self { lame, shear, hardening }
     }
 }
 
@@ -64,11 +60,7 @@ impl<const KIRCHHOFF: bool> Law for Hencky<KIRCHHOFF> {
         let flow = radial_return(soil, cohesion, state.plastic, q2, factor);
         let r = flow.removed;
         let tensor = [xx - r * dx, yy - r * dy, zz - r * dz, xy - r * xy];
-        State {
-            tensor,
-            jacobian,
-            plastic: flow.plastic,
-        }
+        State { tensor, jacobian, plastic: flow.plastic }
     }
 
     #[inline(always)]
@@ -102,11 +94,7 @@ impl<const KIRCHHOFF: bool> Law for Rate<KIRCHHOFF> {
         let flow = radial_return(soil, cohesion, state.plastic, q2, factor);
         let r = flow.removed;
         let tensor = [xx - r * dx, yy - r * dy, zz - r * dz, xy - r * xy];
-        State {
-            tensor,
-            jacobian,
-            plastic: flow.plastic,
-        }
+        State { tensor, jacobian, plastic: flow.plastic }
     }
 
     #[inline(always)]
@@ -125,20 +113,11 @@ struct Flow {
 
 /// Radial return to q = sqrt(3) `factor` c, with c falling linearly from peak to residual.
 #[inline(always)]
-fn radial_return(
-    soil: &Soil,
-    [peak, residual]: [f64; 2],
-    plastic: f64,
-    q2: f64,
-    factor: f64,
-) -> Flow {
+fn radial_return(soil: &Soil, [peak, residual]: [f64; 2], plastic: f64, q2: f64, factor: f64) -> Flow {
     let c = (peak + soil.hardening * plastic).max(residual);
     let strength = factor * c;
     if q2 <= 3.0 * (strength * strength) {
-        return Flow {
-            removed: 0.0,
-            plastic,
-        };
+        return Flow { removed: 0.0, plastic };
     }
     let k = 3f64.sqrt() * factor;
     let q = q2.sqrt();
@@ -148,10 +127,7 @@ fn radial_return(
     if c + soil.hardening * step < residual {
         step = (q - k * residual) * (1.0 / stiff);
     }
-    Flow {
-        removed: stiff * step * (1.0 / q),
-        plastic: plastic + step,
-    }
+    Flow { removed: stiff * step * (1.0 / q), plastic: plastic + step }
 }
 
 /// Bounds inside which the polynomials are good to 2e-16 relative.
@@ -228,11 +204,7 @@ pub fn hencky_trial_exact(e: [f64; 4], l: [f64; 4]) -> ([f64; 4], f64) {
     let dxy = 2.0 * e[3];
     let s = dxx.hypot(dxy);
     let z = lxx + lyy + (lxx * lyy - lxy * lyx);
-    assert!(
-        z > -1.0,
-        "a point is turned inside out: det F = {}",
-        1.0 + z
-    );
+    assert!(z > -1.0, "a point is turned inside out: det F = {}", 1.0 + z);
     let (m, a, b) = stretch(dxx, dxy, if s > 0.0 { s.tanh() / s } else { 1.0 }, l);
     let (a, b) = (a / m, b / m);
     let r = a.hypot(b);

@@ -88,10 +88,7 @@ impl<L: Law> Scalar<L> {
     /// cells full.
     pub fn paper_slope(h: f64, per_axis: usize) -> Self {
         let rows = (5.0 / h).round() as usize;
-        assert!(
-            (rows as f64 * h - 5.0).abs() < 1e-9,
-            "5 m is not a whole number of cells of {h} m"
-        );
+        assert!((rows as f64 * h - 5.0).abs() < 1e-9, "5 m is not a whole number of cells of {h} m");
         let gauss = gauss_positions(per_axis);
         let mut points = Points::default();
         let weight = |n: usize| gauss[n].1 * h;
@@ -129,12 +126,7 @@ impl<L: Law> Scalar<L> {
     /// One step of `dt` seconds.
     pub fn step(&mut self, dt: f64) {
         self.time += dt;
-        let gravity = GRAVITY
-            * if self.ramp > 0.0 {
-                (self.time / self.ramp).min(1.0)
-            } else {
-                1.0
-            };
+        let gravity = GRAVITY * if self.ramp > 0.0 { (self.time / self.ramp).min(1.0) } else { 1.0 };
         self.nodes.update(dt, gravity, self.friction);
         self.drive(dt);
         self.nodes.finish_remap();
@@ -153,19 +145,14 @@ impl<L: Law> Scalar<L> {
         let p = &mut self.points;
         let nodes = &mut self.nodes;
         let moved = self.moved.iter_mut();
-        for (((at, velocity), &mass), moved) in
-            p.at.iter().zip(&mut p.velocity).zip(&p.mass).zip(moved)
-        {
+        for (((at, velocity), &mass), moved) in p.at.iter().zip(&mut p.velocity).zip(&p.mass).zip(moved) {
             let place = Place::of(*at, nodes.inverse_cell);
             let k = place.node(nodes.stride);
             let w = place.weights();
             let (low, high) = sides(patch(&nodes.motion, k, nodes.stride));
             let m = blend(w, low, high);
             *moved = [at[0] + dt * m[0], at[1] + dt * m[1]];
-            let v = [
-                flip * (velocity[0] + m[2]) + pic * m[0],
-                flip * (velocity[1] + m[3]) + pic * m[1],
-            ];
+            let v = [flip * (velocity[0] + m[2]) + pic * m[0], flip * (velocity[1] + m[3]) + pic * m[1]];
             *velocity = v;
             let momentum = [mass * v[0], mass * v[1]];
             let remap = patch_mut(&mut nodes.remap, k, nodes.stride);
@@ -194,11 +181,7 @@ impl<L: Law> Scalar<L> {
         for i in 0..n {
             let place = Place::of(at[i], inverse_cell);
             let l = gradient(&nodes.remap, &place, stride, over);
-            let old = State {
-                tensor: tensor[i],
-                jacobian: jacobian[i],
-                plastic: plastic[i],
-            };
+            let old = State { tensor: tensor[i], jacobian: jacobian[i], plastic: plastic[i] };
             let new = L::update(&soil, cohesion[i], old, l);
             tensor[i] = new.tensor;
             jacobian[i] = new.jacobian;
@@ -252,20 +235,13 @@ impl<L: Law> Scalar<L> {
     /// t m/s per metre of width.
     pub fn momentum(&self) -> [f64; 2] {
         let p = &self.points;
-        p.velocity
-            .iter()
-            .zip(&p.mass)
-            .fold([0.0; 2], |s, (v, m)| [s[0] + m * v[0], s[1] + m * v[1]])
+        p.velocity.iter().zip(&p.mass).fold([0.0; 2], |s, (v, m)| [s[0] + m * v[0], s[1] + m * v[1]])
     }
 
     /// Kinetic energy of the points, kJ per metre of width.
     pub fn kinetic(&self) -> f64 {
         let p = &self.points;
-        p.velocity
-            .iter()
-            .zip(&p.mass)
-            .map(|(v, m)| 0.5 * m * (v[0] * v[0] + v[1] * v[1]))
-            .sum()
+        p.velocity.iter().zip(&p.mass).map(|(v, m)| 0.5 * m * (v[0] * v[0] + v[1] * v[1])).sum()
     }
 
     pub fn max_plastic_strain(&self) -> f64 {
@@ -279,10 +255,7 @@ impl<L: Law> Scalar<L> {
 
     /// Smallest and largest det F.
     pub fn jacobian_range(&self) -> [f64; 2] {
-        self.points
-            .jacobian
-            .iter()
-            .fold([f64::MAX, f64::MIN], |[a, b], &j| [a.min(j), b.max(j)])
+        self.points.jacobian.iter().fold([f64::MAX, f64::MIN], |[a, b], &j| [a.min(j), b.max(j)])
     }
 
     pub fn max_displacement(&self) -> f64 {
@@ -290,37 +263,25 @@ impl<L: Law> Scalar<L> {
             let start = self.start[id as usize];
             (at[0] - start[0]).hypot(at[1] - start[1])
         };
-        self.points
-            .at
-            .iter()
-            .zip(&self.points.id)
-            .map(move_of)
-            .fold(0.0, f64::max)
+        self.points.at.iter().zip(&self.points.id).map(move_of).fold(0.0, f64::max)
     }
 
     /// Distance from the crest's edge (x = 20 m) to the first top point, from the left, that moved
     /// more than `threshold` sideways; 0 if none did.
     pub fn sliding_distance(&self, threshold: f64) -> f64 {
         let top = self.start.iter().map(|s| s[1]).fold(0.0, f64::max) - 1e-9;
-        let first = self
-            .points
-            .at
-            .iter()
-            .zip(&self.points.id)
-            .filter_map(|(at, &id)| {
-                let start = self.start[id as usize];
-                let slid = start[1] > top && start[0] < 20.0 && at[0] - start[0] > threshold;
-                slid.then_some(start[0])
-            });
+        let first = self.points.at.iter().zip(&self.points.id).filter_map(|(at, &id)| {
+            let start = self.start[id as usize];
+            let slid = start[1] > top && start[0] < 20.0 && at[0] - start[0] > threshold;
+            slid.then_some(start[0])
+        });
         20.0 - first.fold(20.0, f64::min)
     }
 
     /// Scales each point's strengths by 1 + `amount` times a number in [-1, 1] drawn from `seed`.
     pub fn jitter(&mut self, amount: f64, mut seed: u64) {
         for c in &mut self.points.cohesion {
-            seed = seed
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             let unit = (seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0;
             *c = scale(*c, 1.0 + amount * unit);
         }
@@ -435,10 +396,7 @@ impl Nodes {
         for row in 0..rows {
             let first = row * self.stride as usize;
             let span = first..first + columns;
-            for (remap, mass) in self.remap[span.clone()]
-                .iter_mut()
-                .zip(&mut self.mass[span.clone()])
-            {
+            for (remap, mass) in self.remap[span.clone()].iter_mut().zip(&mut self.mass[span.clone()]) {
                 let inverse = if *mass > 0.0 { 1.0 / *mass } else { 0.0 };
                 *remap = scale(*remap, inverse);
                 *mass = 0.0;
@@ -463,12 +421,7 @@ impl Place {
         let (x, y) = (at[0] * inverse_cell, at[1] * inverse_cell);
         let (i, j) = ((x - 0.5) + SHIFT, (y - 0.5) + SHIFT);
         let (column, row) = (i.to_bits() as u32, j.to_bits() as u32);
-        Self {
-            column,
-            row,
-            xi: x - (i - SHIFT),
-            eta: y - (j - SHIFT),
-        }
+        Self { column, row, xi: x - (i - SHIFT), eta: y - (j - SHIFT) }
     }
 
     #[inline(always)]
@@ -521,17 +474,13 @@ fn rub(motion: &mut [f64; 4], friction: f64) -> bool {
 #[inline(always)]
 fn patch<T>(values: &[T], k: u32, stride: u32) -> &[T] {
     let (k, stride) = (k as usize, stride as usize);
-    values
-        .get(k..k + stride + 2)
-        .expect("a point has left the grid")
+    values.get(k..k + stride + 2).expect("a point has left the grid")
 }
 
 #[inline(always)]
 fn patch_mut<T>(values: &mut [T], k: u32, stride: u32) -> &mut [T] {
     let (k, stride) = (k as usize, stride as usize);
-    values
-        .get_mut(k..k + stride + 2)
-        .expect("a point has left the grid")
+    values.get_mut(k..k + stride + 2).expect("a point has left the grid")
 }
 
 #[inline(always)]
@@ -576,17 +525,10 @@ fn gauss_positions(n: usize) -> Vec<(f64, f64)> {
         1 => &[(0.0, 2.0)],
         2 => &[(0.577_350_269_189_625_8, 1.0)],
         3 => &[(0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0)],
-        4 => &[
-            (0.861_136_311_594_052_6, 0.347_854_845_137_453_86),
-            (0.339_981_043_584_856_3, 0.652_145_154_862_546_1),
-        ],
+        4 => &[(0.861_136_311_594_052_6, 0.347_854_845_137_453_86), (0.339_981_043_584_856_3, 0.652_145_154_862_546_1)],
         _ => panic!("1 to 4 Gauss points per axis, not {n}"),
     };
     let lower = half.iter().map(|&(x, w)| (0.5 - 0.5 * x, 0.5 * w));
-    let upper = half
-        .iter()
-        .rev()
-        .filter(|p| p.0 > 0.0)
-        .map(|&(x, w)| (0.5 + 0.5 * x, 0.5 * w));
+    let upper = half.iter().rev().filter(|p| p.0 > 0.0).map(|&(x, w)| (0.5 + 0.5 * x, 0.5 * w));
     lower.chain(upper).collect()
 }

@@ -6,10 +6,7 @@ struct Draw(u64);
 impl Draw {
     /// Uniform in [-a, a].
     fn within(&mut self, a: f64) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         a * ((self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0)
     }
 
@@ -28,24 +25,15 @@ fn product(a: Matrix, b: Matrix) -> Matrix {
 fn spectral(s: Matrix, f: fn(f64) -> f64) -> Matrix {
     let angle = 0.5 * (2.0 * s[0][1]).atan2(s[0][0] - s[1][1]);
     let (sin, cos) = angle.sin_cos();
-    let (mean, radius) = (
-        0.5 * (s[0][0] + s[1][1]),
-        (0.5 * (s[0][0] - s[1][1])).hypot(s[0][1]),
-    );
+    let (mean, radius) = (0.5 * (s[0][0] + s[1][1]), (0.5 * (s[0][0] - s[1][1])).hypot(s[0][1]));
     let (one, two) = (f(mean + radius), f(mean - radius));
     let xy = (one - two) * sin * cos;
-    [
-        [one * cos * cos + two * sin * sin, xy],
-        [xy, one * sin * sin + two * cos * cos],
-    ]
+    [[one * cos * cos + two * sin * sin, xy], [xy, one * sin * sin + two * cos * cos]]
 }
 
 /// 1/2 ln(F exp(2e) F^T) word for word.
 fn trial_by_eigenvalues(e: [f64; 4], l: [f64; 4]) -> [f64; 4] {
-    let b = spectral(
-        [[2.0 * e[0], 2.0 * e[3]], [2.0 * e[3], 2.0 * e[1]]],
-        f64::exp,
-    );
+    let b = spectral([[2.0 * e[0], 2.0 * e[3]], [2.0 * e[3], 2.0 * e[1]]], f64::exp);
     let f = [[1.0 + l[0], l[1]], [l[2], 1.0 + l[3]]];
     let transposed = [[f[0][0], f[1][0]], [f[0][1], f[1][1]]];
     let log = spectral(product(product(f, b), transposed), f64::ln);
@@ -53,25 +41,16 @@ fn trial_by_eigenvalues(e: [f64; 4], l: [f64; 4]) -> [f64; 4] {
 }
 
 fn largest_gap(a: [f64; 4], b: [f64; 4]) -> f64 {
-    a.iter()
-        .zip(b)
-        .map(|(a, b)| (a - b).abs())
-        .fold(0.0, f64::max)
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
 #[test]
 fn polynomials_match_the_functions_inside_their_bounds() {
     for i in 1..=2000 {
         let x = 0.0196 * i as f64 / 2000.0;
-        assert!(
-            (tanhc(x) * x.sqrt() / x.sqrt().tanh() - 1.0).abs() < 1e-15,
-            "tanhc({x})"
-        );
+        assert!((tanhc(x) * x.sqrt() / x.sqrt().tanh() - 1.0).abs() < 1e-15, "tanhc({x})");
         let y = 0.0256 * i as f64 / 2000.0;
-        assert!(
-            (atanhc(y) * y.sqrt() / y.sqrt().atanh() - 1.0).abs() < 1e-15,
-            "atanhc({y})"
-        );
+        assert!((atanhc(y) * y.sqrt() / y.sqrt().atanh() - 1.0).abs() < 1e-15, "atanhc({y})");
         for z in [1e-5 * i as f64, -1e-5 * i as f64] {
             assert!((log1p(z) / z.ln_1p() - 1.0).abs() < 1e-15, "log1p({z})");
         }
@@ -137,11 +116,7 @@ fn strength_ratio<L: Law>(soil: &Soil, state: &State, zz: OutOfPlane, kirchhoff:
 /// Shears to the residual strength through the kink: q reaches the strength and never passes it.
 fn shear_through_the_kink<L: Law>(zz: OutOfPlane, kirchhoff: bool) {
     let soil = Soil::new(1000.0, 0.33, -50.0);
-    let mut state = State {
-        tensor: [0.0; 4],
-        jacobian: 1.0,
-        plastic: 0.0,
-    };
+    let mut state = State { tensor: [0.0; 4], jacobian: 1.0, plastic: 0.0 };
     for _ in 0..400 {
         state = L::update(&soil, [20.0, 4.0], state, [-1e-4, 3e-3, 0.0, -2e-5]);
         let ratio = strength_ratio::<L>(&soil, &state, zz, kirchhoff);
@@ -165,10 +140,7 @@ fn the_papers_slope_has_1810_cells() {
     assert_eq!(slope.points(), 1810 * 4);
     let mass = 1810.0 * 0.0625 * 20.0 / 9.81;
     assert!((slope.mass() / mass - 1.0).abs() < 1e-12);
-    assert_eq!(
-        Scalar::<Hencky>::paper_slope(5.0 / 105.0, 2).points(),
-        198_660
-    );
+    assert_eq!(Scalar::<Hencky>::paper_slope(5.0 / 105.0, 2).points(), 198_660);
     assert_eq!(Scalar::<Rate>::paper_slope(0.25, 4).points(), 1810 * 16);
 }
 
@@ -179,13 +151,7 @@ fn vertical_momentum_follows_gravity_until_the_base_answers() {
     slope.friction = 0.0;
     slope.step(1e-3);
     let [x, y] = slope.momentum();
-    let base: f64 = slope
-        .nodes
-        .motion
-        .iter()
-        .take(slope.nodes.stride as usize)
-        .map(|m| m[1])
-        .sum();
+    let base: f64 = slope.nodes.motion.iter().take(slope.nodes.stride as usize).map(|m| m[1]).sum();
     assert_eq!((x, base), (0.0, 0.0));
     let fall = slope.mass() * GRAVITY * (1e-3 / 5.0) * 1e-3;
     assert!(-y < fall && -y > 0.94 * fall, "{y} {fall}");
@@ -216,12 +182,7 @@ fn sorting_changes_the_order_and_nothing_else() {
     slope.points.mass.reverse();
     slope.points.id.reverse();
     slope.sort();
-    let cells: Vec<u32> = slope
-        .points
-        .at
-        .iter()
-        .map(|at| Place::of(*at, 2.0).node(slope.nodes.stride))
-        .collect();
+    let cells: Vec<u32> = slope.points.at.iter().map(|at| Place::of(*at, 2.0).node(slope.nodes.stride)).collect();
     assert!(cells.is_sorted());
     assert!((slope.mass() / mass - 1.0).abs() < 1e-12);
     assert!((slope.kinetic() / kinetic - 1.0).abs() < 1e-12);

@@ -120,9 +120,7 @@ fn unlike_names(log: &Log, regions: &[PlacedRegion]) {
 fn inside_grid(log: &Log, grid: &Grid, placed: &PlacedRegion, region: &Region) {
     let [low, high] = grid.bounds();
     let slack = 1e-9 * (high[0] - low[0]).max(high[1] - low[1]);
-    let outside = |p: &Point| {
-        (0..2).any(|k| p[k] < low[k] - slack || p[k] > high[k] + slack)
-    };
+    let outside = |p: &Point| (0..2).any(|k| p[k] < low[k] - slack || p[k] > high[k] + slack);
     let (at, what) = match &region.shape {
         RegionShape::Polygon(corners) => {
             let Some(index) = corners.iter().position(outside) else { return };
@@ -145,12 +143,9 @@ fn inside_grid(log: &Log, grid: &Grid, placed: &PlacedRegion, region: &Region) {
 
 fn no_overlap(log: &Log, regions: &[PlacedRegion]) {
     let found: Vec<_> = regions.iter().filter_map(|p| Some((p, p.value.as_ref()?))).collect();
-    let pairs = found.iter().enumerate().flat_map(|(k, a)| {
-        found.iter().skip(k + 1).map(move |b| (a.1, b.0, b.1))
-    });
-    let overlaps = pairs.filter_map(|(first, placed, second)| {
-        Some((first, placed, second, overlap(&first.shape, &second.shape)?))
-    });
+    let pairs = found.iter().enumerate().flat_map(|(k, a)| found.iter().skip(k + 1).map(move |b| (a.1, b.0, b.1)));
+    let overlaps = pairs
+        .filter_map(|(first, placed, second)| Some((first, placed, second, overlap(&first.shape, &second.shape)?)));
     for (first, placed, second, area) in overlaps.take(MOST_OVERLAPS) {
         let message = format!("regions \"{}\" and \"{}\" overlap", first.name, second.name);
         let label = format!("{} m2 lie in both", rounded(area));
@@ -208,9 +203,7 @@ pub(super) fn size(log: &Log, cell_at: Span, case: &Case) -> bool {
         return true;
     };
     let label = format!("at most {} cells and {} GiB", figure(MOST_CELLS), MOST_MEMORY >> 30);
-    let help = format!(
-        "raise `grid.cell`, or lower `grid.size` or `points.per_axis` (now about {gibibytes} GiB)"
-    );
+    let help = format!("raise `grid.cell`, or lower `grid.size` or `points.per_axis` (now about {gibibytes} GiB)");
     log.error(cell_at, "grid.cell", Problem::new(message, label).help(help));
     false
 }

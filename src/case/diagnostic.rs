@@ -48,10 +48,7 @@ impl Diagnostic {
     pub fn render(&self, color: bool) -> String {
         let place = self.source.place(self.span.clone());
         let caret = AnnotationKind::Primary.span(place.range).label(self.label.as_str());
-        let snippet = Snippet::source(place.text)
-            .line_start(place.line)
-            .path(self.file.as_str())
-            .annotation(caret);
+        let snippet = Snippet::source(place.text).line_start(place.line).path(self.file.as_str()).annotation(caret);
         let help = self.help.as_deref().map(|text| Level::HELP.message(text));
         let group = self.level().primary_title(self.message.as_str()).element(snippet);
         let renderer = if color { Renderer::styled() } else { Renderer::plain() };

@@ -67,11 +67,7 @@ impl<'a> Keys<'a> {
     }
 
     /// A key that must be set.
-    pub fn required<T>(
-        &mut self,
-        key: &'static str,
-        read: impl FnOnce(&Cursor<'a>) -> Option<T>,
-    ) -> Option<T> {
+    pub fn required<T>(&mut self, key: &'static str, read: impl FnOnce(&Cursor<'a>) -> Option<T>) -> Option<T> {
         match self.get(key) {
             Some(cursor) => read(&cursor),
             None => self.missing(key),
@@ -79,21 +75,12 @@ impl<'a> Keys<'a> {
     }
 
     /// A key with a default.
-    pub fn or<T>(
-        &mut self,
-        key: &'static str,
-        default: T,
-        read: impl FnOnce(&Cursor<'a>) -> Option<T>,
-    ) -> Option<T> {
+    pub fn or<T>(&mut self, key: &'static str, default: T, read: impl FnOnce(&Cursor<'a>) -> Option<T>) -> Option<T> {
         self.get(key).map_or(Some(default), |cursor| read(&cursor))
     }
 
     /// A key that may be left out.
-    pub fn optional<T>(
-        &mut self,
-        key: &'static str,
-        read: impl FnOnce(&Cursor<'a>) -> Option<T>,
-    ) -> Option<Option<T>> {
+    pub fn optional<T>(&mut self, key: &'static str, read: impl FnOnce(&Cursor<'a>) -> Option<T>) -> Option<Option<T>> {
         self.get(key).map_or(Some(None), |cursor| read(&cursor).map(Some))
     }
 

@@ -99,13 +99,7 @@ impl Log {
     }
 }
 
-fn diagnostic(
-    severity: Severity,
-    source: &Arc<Source>,
-    at: Span,
-    key: &str,
-    problem: Problem,
-) -> Diagnostic {
+fn diagnostic(severity: Severity, source: &Arc<Source>, at: Span, key: &str, problem: Problem) -> Diagnostic {
     let place = source.place(at.start..at.end);
     Diagnostic {
         severity,

@@ -39,11 +39,7 @@ pub use types::*;
 /// # Errors
 /// All errors of the file and the overrides, sorted by position; a file that is no TOML gives
 /// its first error alone.
-pub fn read(
-    source_name: &str,
-    text: &str,
-    overrides: &[String],
-) -> Result<(Case, Vec<Diagnostic>), Diagnostics> {
+pub fn read(source_name: &str, text: &str, overrides: &[String]) -> Result<(Case, Vec<Diagnostic>), Diagnostics> {
     let log = log::Log::new(source_name, text, overrides);
     let root = parse::parse(&log, text, overrides);
     let case = root.and_then(|root| section::case(&log, &root));

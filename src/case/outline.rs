@@ -23,9 +23,8 @@ impl Extent {
     /// The extent of several shapes; `None` without any.
     pub fn of(shapes: &[&RegionShape]) -> Option<Self> {
         let boxes = shapes.iter().map(|shape| shape.bounds());
-        let [low, high] = boxes.reduce(|[a, b], [c, d]| {
-            [[a[0].min(c[0]), a[1].min(c[1])], [b[0].max(d[0]), b[1].max(d[1])]]
-        })?;
+        let [low, high] =
+            boxes.reduce(|[a, b], [c, d]| [[a[0].min(c[0]), a[1].min(c[1])], [b[0].max(d[0]), b[1].max(d[1])]])?;
         Some(Self { low, high, crest: crest(shapes) })
     }
 

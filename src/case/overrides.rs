@@ -32,8 +32,8 @@ pub(super) fn apply(log: &Log, root: &mut Table, source: usize, text: &str) {
 /// Path and value of `path=value`.
 fn split(source: usize, text: &str) -> Result<(Vec<Part>, Node), Stop> {
     let whole = Span::new(source, 0..text.len());
-    let usage = || Problem::new("this sets nothing", "must be path=value")
-        .help("for example --set material.clay.cohesion=18");
+    let usage =
+        || Problem::new("this sets nothing", "must be path=value").help("for example --set material.clay.cohesion=18");
     let Some(equals) = outside_quotes(text, '=').into_iter().next() else {
         return Err((whole, usage()));
     };

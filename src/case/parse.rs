@@ -45,9 +45,7 @@ fn too_long(text: &str) -> Option<(usize, Problem)> {
 
 /// Where a dotted key has too many parts: the parser would nest one table in another for each.
 fn too_deep(text: &str) -> Option<(usize, Problem)> {
-    let at = text.lines().zip(line_starts(text)).find_map(|(line, start)| {
-        deep_key(line).map(|at| start + at)
-    })?;
+    let at = text.lines().zip(line_starts(text)).find_map(|(line, start)| deep_key(line).map(|at| start + at))?;
     Some((at, Problem::new("a dotted key has too many parts", format!("at most {DEEPEST}"))))
 }
 

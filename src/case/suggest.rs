@@ -11,10 +11,7 @@ pub(super) fn list<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
 }
 
 /// "did you mean `word`?" for the closest of the known words, if one is close.
-pub(super) fn did_you_mean<'a>(
-    typed: &str,
-    known: impl IntoIterator<Item = &'a str>,
-) -> Option<String> {
+pub(super) fn did_you_mean<'a>(typed: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let typed = typed.get(..64).unwrap_or(typed).to_lowercase();
     let scored = known.into_iter().map(|word| (closeness(&typed, word), word));
     let best = scored.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|&(score, _)| score > 0.6);

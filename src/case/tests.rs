@@ -41,13 +41,8 @@ fn keys_left_out_have_the_documented_defaults() {
     let points = Points { layout: Layout::Gauss, per_axis: 2, cut_cells: CutCells::Full };
     assert_eq!(case.points, points);
     assert_eq!(case.solver.kinematics, Kinematics::Hencky);
-    let explicit = Explicit {
-        stress_update: StressUpdate::Musl,
-        pic_rate: 0.5,
-        courant: 0.25,
-        time_step: None,
-        mass_floor: 0.0,
-    };
+    let explicit =
+        Explicit { stress_update: StressUpdate::Musl, pic_rate: 0.5, courant: 0.25, time_step: None, mass_floor: 0.0 };
     assert_eq!(case.explicit, explicit);
     assert_eq!(case.gravity.schedule, GravitySchedule::Ramp { ramp_time: 5.0 });
     assert_eq!(case.output, Output { history: 0.05, frames: 0.25, pictures: vec![] });
@@ -132,12 +127,15 @@ fn the_last_override_wins_and_regions_go_by_name_too() {
 fn errors_come_in_the_order_of_the_file() {
     let text = SMALL.replace("cell = 0.5", "cell = -1").replace("time = 1.0", "tme = 1.0");
     let found = errors(&text, &["seed=-1"]);
-    assert_eq!(found, [
-        "3:8: `grid.cell` = -1 is out of range",
-        "6:1: `end.time` is missing",
-        "7:1: unknown key `end.tme`",
-        "1:6: `seed` = -1 is out of range",
-    ]);
+    assert_eq!(
+        found,
+        [
+            "3:8: `grid.cell` = -1 is out of range",
+            "6:1: `end.time` is missing",
+            "7:1: unknown key `end.tme`",
+            "1:6: `seed` = -1 is out of range",
+        ]
+    );
 }
 
 #[test]

@@ -82,9 +82,7 @@ pub(super) fn node(parsed: &Spanned<DeValue<'_>>, source: usize, offset: usize) 
         DeValue::Float(digits) => Value::Number(digits.as_str().parse().unwrap_or(f64::NAN)),
         DeValue::Boolean(flag) => Value::Flag(*flag),
         DeValue::Datetime(_) => Value::Date,
-        DeValue::Array(list) => {
-            Value::Array(list.iter().map(|item| node(item, source, offset)).collect())
-        }
+        DeValue::Array(list) => Value::Array(list.iter().map(|item| node(item, source, offset)).collect()),
         DeValue::Table(keys) => Value::Table(table(keys, source, offset)),
     };
     Node { span, value }

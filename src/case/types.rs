@@ -164,9 +164,16 @@ pub enum GravitySchedule {
 pub enum InitialStress {
     None,
     /// sigma_yy = -unit weight x depth below the surface straight above, sigma_xx = sigma_zz = k0 sigma_yy.
-    K0 { k0: f64 },
+    K0 {
+        k0: f64,
+    },
     /// The same Cauchy stress (kPa, tension positive) everywhere.
-    Given { xx: f64, yy: f64, zz: f64, xy: f64 },
+    Given {
+        xx: f64,
+        yy: f64,
+        zz: f64,
+        xy: f64,
+    },
 }
 
 /// Damping of the motion, off by default.

@@ -16,10 +16,14 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let mut text = format!("{}: sound\n  {}\n", args.case.case.display(), case.title);
     text += &format!(
         "  {} points in {} cells ({} cut), h = {} m\n",
-        scene.simulation.body.len(), scene.cells, scene.cut_cells, case.grid.cell
+        scene.simulation.body.len(),
+        scene.cells,
+        scene.cut_cells,
+        case.grid.cell
     );
     text += &format!("  first time step {dt:.3e} s: about {:.0} steps to {} s\n", case.end.time / dt, case.end.time);
-    text += &format!("  memory for a run with its pictures: about {:.0} MB\n", case.memory_estimate_bytes() as f64 / 1e6);
+    text +=
+        &format!("  memory for a run with its pictures: about {:.0} MB\n", case.memory_estimate_bytes() as f64 / 1e6);
     for w in &scene.warnings {
         text += &format!("  note: {} (key `{}`)\n", w.text, w.key);
     }

@@ -109,7 +109,8 @@ fn draw(out: &Path, case: &Case, study: &Study) -> std::io::Result<()> {
             Some((format!("{}: the run nearest to the median{r}", row.variant), run.snapshot.as_ref()?))
         })
         .collect();
-    let kind = if crate::run::residual_strain(case).is_some() { FieldKind::PlasticStrain } else { FieldKind::Displacement };
+    let kind =
+        if crate::run::residual_strain(case).is_some() { FieldKind::PlasticStrain } else { FieldKind::Displacement };
     let mut options = pictures::options(case, kind);
     options.range = pictures::range(case, kind);
     options.captions = shown.iter().map(|(caption, _)| caption.clone()).collect();

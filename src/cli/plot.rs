@@ -1,6 +1,9 @@
 //! `rmpm plot`.
 
-use std::{io, path::{Path, PathBuf}};
+use std::{
+    io,
+    path::{Path, PathBuf},
+};
 
 use super::Failure;
 use crate::{
@@ -24,7 +27,14 @@ pub struct Args {
     #[arg(long, value_delimiter = ',', value_name = "S,S,...")]
     time: Vec<f64>,
     /// Ends of the colour scale
-    #[arg(long, value_delimiter = ',', num_args = 1, value_name = "LOW,HIGH", allow_hyphen_values = true, requires = "field")]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        num_args = 1,
+        value_name = "LOW,HIGH",
+        allow_hyphen_values = true,
+        requires = "field"
+    )]
     range: Vec<f64>,
     /// Picture to write; DIR/pictures/FIELD.png without it
     #[arg(long, short, requires = "field")]
@@ -48,7 +58,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         return Err(Failure::Io(format!("{}: run.pvd lists no frame; there is nothing to draw", args.dir.display())));
     }
     if let Some((_, name)) = frames.iter().find(|(_, name)| !local(name)) {
-        return Err(Failure::Io(format!("{}: run.pvd names '{name}', which is outside the folder", args.dir.display())));
+        return Err(Failure::Io(format!(
+            "{}: run.pvd names '{name}', which is outside the folder",
+            args.dir.display()
+        )));
     }
     let rows = history::read(&args.dir.join("history.csv")).map_err(read)?;
     let Some(kind) = args.field.as_deref().and_then(FieldKind::parse) else {

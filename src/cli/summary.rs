@@ -22,7 +22,11 @@ pub fn text(record: &Record, timing: &Timing, out: &str) -> String {
 fn header(s: &mut String, r: &Record) -> std::fmt::Result {
     writeln!(s, "{}: {}", r.title, r.outcome.message)?;
     let [elastic, unloading, softening, residual] = r.measures.stage_points;
-    writeln!(s, "  points      {} ({elastic} elastic, {unloading} unloading, {softening} softening, {residual} residual)", r.work.points)
+    writeln!(
+        s,
+        "  points      {} ({elastic} elastic, {unloading} unloading, {softening} softening, {residual} residual)",
+        r.work.points
+    )
 }
 
 fn slide(s: &mut String, r: &Record) -> std::fmt::Result {
@@ -32,7 +36,12 @@ fn slide(s: &mut String, r: &Record) -> std::fmt::Result {
     let plateaus: Vec<String> =
         m.plateaus.iter().map(|p| format!("{:.2} m at {:.1} s", p.sliding_distance_m, p.from_s)).collect();
     let colon = if plateaus.is_empty() { "" } else { ": " };
-    writeln!(s, "  slide       r = {distance:.2} m{censored}; {} blocks{colon}{}", plateaus.len(), plateaus.join(", "))?;
+    writeln!(
+        s,
+        "  slide       r = {distance:.2} m{censored}; {} blocks{colon}{}",
+        plateaus.len(),
+        plateaus.join(", ")
+    )?;
     let others: Vec<String> = m.sliding_distance_at.iter().map(|(k, v)| format!("{k}: {v:.2} m")).collect();
     writeln!(s, "              r by threshold  {}", others.join(", "))?;
     let volume = m.slide_volume_m3_per_m.unwrap_or(0.0);
@@ -57,6 +66,10 @@ fn cost(s: &mut String, r: &Record, t: &Timing) -> std::fmt::Result {
     writeln!(
         s,
         "  cost        {} steps of {:.2} ms, {} rejected; {:.1} s, {rate} M particle-steps per CPU second, {:.0} bytes a point",
-        r.work.steps, 1e3 * dt, r.work.rejected_steps, t.wall_s, t.bytes_per_point
+        r.work.steps,
+        1e3 * dt,
+        r.work.rejected_steps,
+        t.wall_s,
+        t.bytes_per_point
     )
 }

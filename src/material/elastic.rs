@@ -90,13 +90,7 @@ impl Material for Elastic {
     }
 
     fn standing(&self, _: &Elasticity, _: &(), _: Voigt, _: f64) -> Standing {
-        Standing {
-            plastic_strain: 0.0,
-            strength: f64::NAN,
-            peak_strength: f64::NAN,
-            yielding: false,
-            residual: false,
-        }
+        Standing { plastic_strain: 0.0, strength: f64::NAN, peak_strength: f64::NAN, yielding: false, residual: false }
     }
 }
 

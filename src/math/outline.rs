@@ -13,7 +13,10 @@ use super::{
 pub enum Outline {
     /// Corners in order, either way round (m).
     Polygon(Vec<Point>),
-    Circle { center: Point, radius: f64 },
+    Circle {
+        center: Point,
+        radius: f64,
+    },
 }
 
 impl Outline {
@@ -28,9 +31,7 @@ impl Outline {
     /// Whether a point lies inside or no farther than `near` (m) from the outline.
     pub fn reaches(&self, point: Point, near: f64) -> bool {
         match self {
-            Outline::Polygon(corners) => {
-                self.contains(point) || polygon::distance_to_outline(corners, point) <= near
-            }
+            Outline::Polygon(corners) => self.contains(point) || polygon::distance_to_outline(corners, point) <= near,
             Outline::Circle { center, radius } => distance(*center, point) <= radius + near,
         }
     }
@@ -39,9 +40,7 @@ impl Outline {
     pub fn bounds(&self) -> [Point; 2] {
         match self {
             Outline::Polygon(corners) => polygon::bounds(corners),
-            Outline::Circle { center: [x, y], radius: r } => {
-                [[x - r, y - r], [x + r, y + r]]
-            }
+            Outline::Circle { center: [x, y], radius: r } => [[x - r, y - r], [x + r, y + r]],
         }
     }
 
@@ -57,9 +56,7 @@ impl Outline {
     /// circles too.
     pub fn area_in(&self, min: Point, max: Point) -> f64 {
         match self {
-            Outline::Polygon(corners) => {
-                polygon::area(&polygon::clip_to_rect(corners, min, max))
-            }
+            Outline::Polygon(corners) => polygon::area(&polygon::clip_to_rect(corners, min, max)),
             Outline::Circle { center, radius } => {
                 let rectangle = [min, [max[0], min[1]], max, [min[0], max[1]]];
                 circle::overlap_with_polygon(*center, *radius, &rectangle)
@@ -104,8 +101,7 @@ impl Outline {
         use Outline::{Circle, Polygon};
         match (self, other) {
             (Polygon(a), Polygon(b)) => polygon::overlap_area(a, b),
-            (Polygon(corners), Circle { center, radius })
-            | (Circle { center, radius }, Polygon(corners)) => {
+            (Polygon(corners), Circle { center, radius }) | (Circle { center, radius }, Polygon(corners)) => {
                 circle::overlap_with_polygon(*center, *radius, corners)
             }
             (Circle { center: a, radius: r }, Circle { center: b, radius: s }) => {
@@ -118,7 +114,6 @@ impl Outline {
 fn distance(a: Point, b: Point) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
-
 
 #[cfg(test)]
 mod tests {

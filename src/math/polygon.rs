@@ -19,9 +19,9 @@ pub fn area(corners: &[Point]) -> f64 {
 /// Lower left and upper right corner of the smallest upright rectangle around the polygon.
 pub fn bounds(corners: &[Point]) -> [Point; 2] {
     let start = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
-    corners.iter().fold(start, |[low, high], p| {
-        [[low[0].min(p[0]), low[1].min(p[1])], [high[0].max(p[0]), high[1].max(p[1])]]
-    })
+    corners
+        .iter()
+        .fold(start, |[low, high], p| [[low[0].min(p[0]), low[1].min(p[1])], [high[0].max(p[0]), high[1].max(p[1])]])
 }
 
 /// Whether a point lies inside, by the parity of the edges crossed on the way to +x.
@@ -61,9 +61,9 @@ pub fn is_simple(corners: &[Point]) -> bool {
 /// that run to and fro along the rectangle, which leaves [`area`] exact.
 pub fn clip_to_rect(corners: &[Point], min: Point, max: Point) -> Vec<Point> {
     let sides = [(0, 1.0, min[0]), (0, -1.0, -max[0]), (1, 1.0, min[1]), (1, -1.0, -max[1])];
-    sides.iter().fold(corners.to_vec(), |rest, &(axis, sign, limit)| {
-        clip_to_half_plane(&rest, |p| sign * p[axis] - limit)
-    })
+    sides
+        .iter()
+        .fold(corners.to_vec(), |rest, &(axis, sign, limit)| clip_to_half_plane(&rest, |p| sign * p[axis] - limit))
 }
 
 /// Area common to two simple polygons.
@@ -74,9 +74,7 @@ pub fn clip_to_rect(corners: &[Point], min: Point, max: Point) -> Vec<Point> {
 pub fn overlap_area(a: &[Point], b: &[Point]) -> f64 {
     let level = bounds(a)[0][1].min(bounds(b)[0][1]);
     let strips: Vec<_> = edges(b).collect();
-    let sum: f64 = edges(a)
-        .map(|one| strips.iter().map(|&other| common_strip(one, other, level)).sum::<f64>())
-        .sum();
+    let sum: f64 = edges(a).map(|one| strips.iter().map(|&other| common_strip(one, other, level)).sum::<f64>()).sum();
     sum.abs()
 }
 
@@ -124,9 +122,7 @@ fn folds_back(a: Point, b: Point, c: Point) -> bool {
 }
 
 fn segments_meet(a: Point, b: Point, c: Point, d: Point) -> bool {
-    let boxes_apart = (0..2).any(|k| {
-        a[k].max(b[k]) < c[k].min(d[k]) || c[k].max(d[k]) < a[k].min(b[k])
-    });
+    let boxes_apart = (0..2).any(|k| a[k].max(b[k]) < c[k].min(d[k]) || c[k].max(d[k]) < a[k].min(b[k]));
     if boxes_apart {
         return false;
     }
@@ -219,9 +215,7 @@ mod tests {
     #[test]
     fn clipped_cells_of_a_concave_polygon_add_up_to_its_area() {
         let cells = (0..16).flat_map(|i| (0..16).map(move |j| (i as f64 * 0.3, j as f64 * 0.3)));
-        let sum: f64 = cells
-            .map(|(x, y)| area(&clip_to_rect(&ARROW, [x, y], [x + 0.3, y + 0.3])))
-            .sum();
+        let sum: f64 = cells.map(|(x, y)| area(&clip_to_rect(&ARROW, [x, y], [x + 0.3, y + 0.3]))).sum();
         assert!((sum - area(&ARROW)).abs() < 1e-12);
     }
 

@@ -62,9 +62,8 @@ pub fn runout(s: &Snapshot, threshold: f64) -> f64 {
         let u = s.displacement(*i);
         u[0].hypot(u[1]) > threshold
     };
-    let front = |points: &[[f64; 2]]| {
-        (0..s.len()).filter(moved).map(|i| points[i][0]).fold(f64::NEG_INFINITY, f64::max)
-    };
+    let front =
+        |points: &[[f64; 2]]| (0..s.len()).filter(moved).map(|i| points[i][0]).fold(f64::NEG_INFINITY, f64::max);
     let runout = front(&s.position) - front(&s.reference);
     if runout > 0.0 { runout } else { 0.0 }
 }

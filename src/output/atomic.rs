@@ -29,10 +29,7 @@ fn create_and_fill<F>(temporary: &Path, fill: F) -> io::Result<()>
 where
     F: FnOnce(&mut BufWriter<File>) -> io::Result<()>,
 {
-    let file = OpenOptions::new()
-        .write(true)
-        .create_new(true)
-        .open(temporary)?;
+    let file = OpenOptions::new().write(true).create_new(true).open(temporary)?;
     let mut writer = BufWriter::with_capacity(1 << 18, file);
     fill(&mut writer)?;
     writer.flush()

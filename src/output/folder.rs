@@ -32,7 +32,8 @@ pub struct Folder {
 pub fn claim(path: &Path) -> io::Result<File> {
     let foreign = fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_some()) && !path.join(LOCK).exists();
     if foreign || path.is_file() {
-        let text = format!("'{}' exists and is no run of rmpm: it is not overwritten; choose another --out", path.display());
+        let text =
+            format!("'{}' exists and is no run of rmpm: it is not overwritten; choose another --out", path.display());
         return Err(io::Error::new(io::ErrorKind::AlreadyExists, text));
     }
     fs::create_dir_all(path)?;

@@ -43,8 +43,17 @@ impl History {
         }
         let e = &s.energies;
         let numbers = [
-            s.time, s.dt, e.kinetic, e.nodal_kinetic, e.strain, e.external, e.dissipated, e.plastic, e.friction,
-            e.damping, e.numerical,
+            s.time,
+            s.dt,
+            e.kinetic,
+            e.nodal_kinetic,
+            e.strain,
+            e.external,
+            e.dissipated,
+            e.plastic,
+            e.friction,
+            e.damping,
+            e.numerical,
         ];
         let mut row: Vec<String> = numbers.iter().map(|v| format!("{v}")).collect();
         row.push(s.sliding_distance.map(|r| format!("{r}")).unwrap_or_default());

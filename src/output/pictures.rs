@@ -138,9 +138,8 @@ fn energies(rows: &[Sample]) -> SeriesPlot {
         ("kinetic", |s| s.energies.kinetic),
         ("numerical", |s| s.energies.numerical),
     ];
-    let curve = |(name, pick): (&str, Pick)| {
-        Curve::new(name, Style::Line, rows.iter().map(|s| (s.time, pick(s))).collect())
-    };
+    let curve =
+        |(name, pick): (&str, Pick)| Curve::new(name, Style::Line, rows.iter().map(|s| (s.time, pick(s))).collect());
     SeriesPlot {
         title: Some("Energies: external = kinetic + elastic + dissipated + numerical".to_owned()),
         x: AxisSpec::linear("time (s)"),

@@ -131,7 +131,11 @@ pub fn sha256(bytes: &[u8]) -> String {
 fn about(case: &Case, outcome: &Outcome) -> Vec<Warning> {
     let m = &outcome.measures;
     let mut w = Vec::new();
-    if case.material.values().any(|m| matches!(m, case::Material::VonMises { strength, .. } if strength.softening_modulus < 0.0)) {
+    if case
+        .material
+        .values()
+        .any(|m| matches!(m, case::Material::VonMises { strength, .. } if strength.softening_modulus < 0.0))
+    {
         w.push(Warning::new(
             "mesh_dependent_softening",
             "material",
@@ -146,7 +150,11 @@ fn about(case: &Case, outcome: &Outcome) -> Vec<Warning> {
         ));
     }
     if m.sliding_distance_censored {
-        w.push(Warning::new("censored", "slide.censored_above", "the slide has reached the wall: r is a lower bound".into()));
+        w.push(Warning::new(
+            "censored",
+            "slide.censored_above",
+            "the slide has reached the wall: r is a lower bound".into(),
+        ));
     }
     let e = &m.energy_kj_per_m;
     if e.numerical.abs() > 0.05 * e.external.abs().max(1e-9) {

@@ -76,8 +76,7 @@ pub fn build(case: &Case, max_memory: u64) -> Result<Scene, SceneError> {
     let body = body(case, &outlines, &seeding)?;
     let (in_situ, body) = in_situ(case, body);
     let integrator = Explicit::new(Linear, grid, settings(case), effects::build(case));
-    let mut simulation =
-        Simulation::new(body, Box::new(integrator), Control::new(case.explicit.time_step), in_situ);
+    let mut simulation = Simulation::new(body, Box::new(integrator), Control::new(case.explicit.time_step), in_situ);
     simulation.work.cells = seeding.cells;
     let warnings = warnings::list(case, &mut simulation);
     Ok(Scene {
@@ -96,7 +95,8 @@ fn too_large(need: u64, cap: u64) -> SceneError {
         key: "grid.cell".to_owned(),
         message: format!(
             "the case needs about {:.1} GiB but only {:.1} GiB are allowed; use a larger `grid.cell`, a smaller `grid.size`, or raise --max-memory",
-            gib(need), gib(cap)
+            gib(need),
+            gib(cap)
         ),
         too_large: true,
     }
@@ -129,7 +129,9 @@ fn cut_rule(rule: case::CutCells) -> CutRule {
 fn check_inside(grid: &Grid, seeding: &Seeding) -> Result<(), SceneError> {
     match seeding.points.iter().find(|p| !grid.contains(p.x)) {
         None => Ok(()),
-        Some(p) => Err(refuse("grid.size", format!("a material point at ({}, {}) m lies outside the grid", p.x[0], p.x[1]))),
+        Some(p) => {
+            Err(refuse("grid.size", format!("a material point at ({}, {}) m lies outside the grid", p.x[0], p.x[1])))
+        }
     }
 }
 
@@ -140,7 +142,10 @@ fn check_regions(case: &Case, seeding: &Seeding) -> Result<(), SceneError> {
         None => Ok(()),
         Some(k) => {
             let name = &case.region[k].name;
-            Err(refuse("grid.cell", format!("region `{name}` is too thin to hold a material point; use smaller cells or more points")))
+            Err(refuse(
+                "grid.cell",
+                format!("region `{name}` is too thin to hold a material point; use smaller cells or more points"),
+            ))
         }
     }
 }
@@ -149,7 +154,10 @@ fn check_regions(case: &Case, seeding: &Seeding) -> Result<(), SceneError> {
 fn check_initial_stress(case: &Case) -> Result<(), SceneError> {
     let is_k0 = matches!(case.initial_stress, case::InitialStress::K0 { .. });
     if is_k0 && case.gravity.schedule != case::GravitySchedule::AtOnce {
-        return Err(refuse("gravity.schedule", "a k0 stress balances full gravity: it needs schedule = \"at_once\"".to_owned()));
+        return Err(refuse(
+            "gravity.schedule",
+            "a k0 stress balances full gravity: it needs schedule = \"at_once\"".to_owned(),
+        ));
     }
     if is_k0 && case.gravity.tilt != 0.0 {
         return Err(refuse("gravity.tilt", "a k0 stress is for level ground: it needs tilt = 0".to_owned()));
@@ -176,8 +184,7 @@ fn body(case: &Case, outlines: &[Outline], seeding: &Seeding) -> Result<Body, Sc
     let mut first = 0;
     for (index, (name, material)) in case.material.iter().enumerate() {
         let used = |s: &&crate::seed::Seed| &case.region[s.region].material == name;
-        let points: Vec<Seedling> =
-            seeding.points.iter().filter(used).map(|s| seedling(case, outlines, s)).collect();
+        let points: Vec<Seedling> = seeding.points.iter().filter(used).map(|s| seedling(case, outlines, s)).collect();
         if points.is_empty() {
             continue;
         }

@@ -125,7 +125,9 @@ fn contact_separation(case: &Case) -> EffectNote {
 fn local_damping(case: &Case, node: f64) -> EffectNote {
     match (has_local_damping(case), case.damping.local > 0.0) {
         (true, true) => note("local_damping", true, format!("damping.local = {}", case.damping.local), 48.0 * node),
-        (true, false) => note("local_damping", true, "gravity.settle_damping, while the soil settles".into(), 48.0 * node),
+        (true, false) => {
+            note("local_damping", true, "gravity.settle_damping, while the soil settles".into(), 48.0 * node)
+        }
         _ => note("local_damping", false, "damping.local = 0".into(), 0.0),
     }
 }
@@ -152,5 +154,7 @@ pub fn explain(scene: &Scene) -> String {
         let cost = if e.on { format!("{:.1}", e.bytes_per_point) } else { "-".to_owned() };
         text += &format!("{:<18}  {:<3}  {:>16}  {}\n", e.name, if e.on { "yes" } else { "no" }, cost, e.why);
     }
-    text + &format!("\n{total:.0} bytes a point and step are moved for these effects, beside positions, velocities and stresses;\nan absent effect has no array and no call.\n")
+    text + &format!(
+        "\n{total:.0} bytes a point and step are moved for these effects, beside positions, velocities and stresses;\nan absent effect has no array and no call.\n"
+    )
 }

@@ -40,7 +40,11 @@ fn time_step(case: &Case, simulation: &mut Simulation) -> Option<Warning> {
     let fixed = case.explicit.time_step?;
     let limit = simulation.stable_dt()? / case.explicit.courant;
     (fixed > limit).then(|| {
-        Warning::new("unstable_time_step", "explicit.time_step", format!("{fixed} s is longer than the stable step of about {limit:.2e} s"))
+        Warning::new(
+            "unstable_time_step",
+            "explicit.time_step",
+            format!("{fixed} s is longer than the stable step of about {limit:.2e} s"),
+        )
     })
 }
 
@@ -54,7 +58,11 @@ fn short(case: &Case) -> Option<Warning> {
         GravitySchedule::ElasticFirst { ramp_time, settle_time, .. } => ramp_time + settle_time,
     };
     (case.end.time <= loading).then(|| {
-        Warning::new("ends_while_loading", "end.time", format!("the run ends at {} s, before gravity has its final value at {loading} s", case.end.time))
+        Warning::new(
+            "ends_while_loading",
+            "end.time",
+            format!("the run ends at {} s, before gravity has its final value at {loading} s", case.end.time),
+        )
     })
 }
 
@@ -67,12 +75,17 @@ fn large_output(case: &Case, simulation: &Simulation) -> Option<Warning> {
 
 fn jitter(case: &Case) -> Option<Warning> {
     let strong = case.material.values().any(|m| matches!(m, case::Material::VonMises { .. }));
-    (case.jitter.strength > 0.0 && !strong)
-        .then(|| Warning::new("jitter_without_strength", "jitter.strength", "no material has a strength to vary".into()))
+    (case.jitter.strength > 0.0 && !strong).then(|| {
+        Warning::new("jitter_without_strength", "jitter.strength", "no material has a strength to vary".into())
+    })
 }
 
 fn given_stress(case: &Case) -> Option<Warning> {
     matches!(case.initial_stress, case::InitialStress::Given { .. }).then(|| {
-        Warning::new("given_stress", "initial_stress.kind", "the given stress is taken as it is; where it does not balance the loads the body moves at once".into())
+        Warning::new(
+            "given_stress",
+            "initial_stress.kind",
+            "the given stress is taken as it is; where it does not balance the loads the body moves at once".into(),
+        )
     })
 }

@@ -1,7 +1,6 @@
 //! Body and integrator behind one virtual call a step.
 
-
-
+use crate::snapshot::Snapshot;
 use crate::{
     block::Law,
     body::Body,
@@ -9,7 +8,6 @@ use crate::{
     step::{Books, Integrator, control::Control},
     work::Work,
 };
-use crate::snapshot::Snapshot;
 
 /// An elastic in-situ phase: at its end displacements and velocities are set to zero and the
 /// laws of the scene take the place of the elastic ones.

@@ -1,12 +1,6 @@
 //! Control of the time step: how long, cut after a fault, grown again.
 
-use crate::{
-    body::Body,
-    effect::Clock,
-    fault::Fault,
-    step::Integrator,
-    work::Work,
-};
+use crate::{body::Body, effect::Clock, fault::Fault, step::Integrator, work::Work};
 
 /// Steps between two estimates of the stable step.
 const REFRESH: u64 = 20;

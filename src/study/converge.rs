@@ -100,10 +100,7 @@ pub fn usual_variants(cell: f64, per_axis: usize) -> Vec<Variant> {
     vec![
         Variant { label: label(cell, per_axis), overrides: Vec::new() },
         Variant { label: label(refined, per_axis), overrides: vec![format!("grid.cell={refined}")] },
-        Variant {
-            label: label(cell, 2 * per_axis),
-            overrides: vec![format!("points.per_axis={}", 2 * per_axis)],
-        },
+        Variant { label: label(cell, 2 * per_axis), overrides: vec![format!("points.per_axis={}", 2 * per_axis)] },
     ]
 }
 
@@ -181,7 +178,8 @@ fn row(variant: &Variant, runs: Vec<(u64, Run)>) -> Row {
     let cells = runs.first().map_or(0, |(cells, _)| *cells);
     let runs: Vec<Run> = runs.into_iter().map(|(_, run)| run).collect();
     let sound: Vec<&Run> = runs.iter().filter(|r| r.fault.is_none()).collect();
-    let summary = |pick: fn(&Run) -> Option<f64>| Summary::of(&sound.iter().filter_map(|r| pick(r)).collect::<Vec<_>>());
+    let summary =
+        |pick: fn(&Run) -> Option<f64>| Summary::of(&sound.iter().filter_map(|r| pick(r)).collect::<Vec<_>>());
     Row {
         variant: variant.label.clone(),
         overrides: variant.overrides.clone(),
@@ -210,7 +208,8 @@ fn note_changes(rows: &mut [Row]) {
 /// What a reader must know before using the table.
 fn remarks(rows: &[Row]) -> Vec<String> {
     let mut text = vec![
-        "Spread is over jittered strengths only: it is the chance part of one run, not the effect of soil variability.".to_owned(),
+        "Spread is over jittered strengths only: it is the chance part of one run, not the effect of soil variability."
+            .to_owned(),
     ];
     let sd = rows.iter().filter_map(|r| r.sliding_distance_m).map(|s| s.sd).fold(0.0, f64::max);
     let change = rows.iter().filter_map(|r| r.median_change_m).map(f64::abs).fold(0.0, f64::max);
@@ -237,7 +236,17 @@ pub fn typical(row: &Row) -> Option<&Run> {
 pub fn table(study: &Study) -> String {
     let mut text = format!(
         "{:<28} {:>6} {:>7} {:>5} {:>9} {:>15} {:>15} {:>14} {:>7} {:>11} {:>8}\n",
-        "variant", "cells", "points", "runs", if study.rows.iter().any(|r| r.sliding_distance_m.is_some()) { "median r" } else { "run-out" }, "quartiles", "min to max", "mean +- se", "blocks", "first block", "rest (s)"
+        "variant",
+        "cells",
+        "points",
+        "runs",
+        if study.rows.iter().any(|r| r.sliding_distance_m.is_some()) { "median r" } else { "run-out" },
+        "quartiles",
+        "min to max",
+        "mean +- se",
+        "blocks",
+        "first block",
+        "rest (s)"
     );
     study.rows.iter().for_each(|row| text += &line(row));
     for remark in &study.remarks {

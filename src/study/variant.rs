@@ -23,8 +23,9 @@ impl Variant {
 
 /// `KEY=V1,V2,...` into one variant a value. A comma inside brackets or quotes does not separate.
 pub fn parse(text: &str) -> Result<Vec<Variant>, String> {
-    let (key, values) =
-        text.split_once('=').ok_or_else(|| format!("'{text}': write KEY=VALUE,VALUE,..., e.g. boundary.base.coefficient=0.2,0.5"))?;
+    let (key, values) = text
+        .split_once('=')
+        .ok_or_else(|| format!("'{text}': write KEY=VALUE,VALUE,..., e.g. boundary.base.coefficient=0.2,0.5"))?;
     let values = split(values);
     if key.trim().is_empty() || values.iter().any(|v| v.is_empty()) {
         return Err(format!("'{text}': a key and at least one value are needed"));

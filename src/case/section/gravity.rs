@@ -11,10 +11,7 @@ const SCHEDULES: &[Variant] = &[
     Variant { word: "ramp", keys: &["ramp_time"] },
     Variant { word: "at_once", keys: &[] },
     Variant { word: "none", keys: &[] },
-    Variant {
-        word: "normal_first",
-        keys: &["ramp_time", "settle_time", "settle_damping", "tangential_time"],
-    },
+    Variant { word: "normal_first", keys: &["ramp_time", "settle_time", "settle_damping", "tangential_time"] },
     Variant { word: "elastic_first", keys: &["ramp_time", "settle_time", "settle_damping"] },
 ];
 

@@ -14,13 +14,7 @@ const LAWS: &[Variant] = &[
     Variant { word: "elastic", keys: &[] },
     Variant {
         word: "von_mises",
-        keys: &[
-            "cohesion",
-            "residual_cohesion",
-            "softening_modulus",
-            "yield_constant",
-            "strength_measure",
-        ],
+        keys: &["cohesion", "residual_cohesion", "softening_modulus", "yield_constant", "strength_measure"],
     },
 ];
 
@@ -31,9 +25,8 @@ const POISSON: Limits = Limits { low: -1.0, high: 0.5, open: true, unit: "" };
 pub(super) fn materials(root: &mut Keys<'_>, acceleration: f64) -> Option<Materials> {
     let keys = root.required("material", |c| c.table())?;
     let cursors = keys.names().filter_map(|name| Some((name, keys.named(name)?)));
-    let by_name: BTreeMap<_, _> = cursors
-        .map(|(name, cursor)| (name.clone(), (cursor.key, material(&cursor, acceleration))))
-        .collect();
+    let by_name: BTreeMap<_, _> =
+        cursors.map(|(name, cursor)| (name.clone(), (cursor.key, material(&cursor, acceleration)))).collect();
     if by_name.is_empty() {
         let problem = Problem::new("there is no material", "at least one `[material.NAME]`");
         return keys.header_error("", problem);
@@ -58,11 +51,7 @@ fn elastic(keys: &mut Keys<'_>, acceleration: f64) -> Option<Elastic> {
     let unit_weight = unit_weight(keys, acceleration);
     let young_modulus = keys.required("young_modulus", |c| c.number(positive("kPa")));
     let poisson_ratio = keys.required("poisson_ratio", |c| c.number(POISSON));
-    Some(Elastic {
-        unit_weight: unit_weight?,
-        young_modulus: young_modulus?,
-        poisson_ratio: poisson_ratio?,
-    })
+    Some(Elastic { unit_weight: unit_weight?, young_modulus: young_modulus?, poisson_ratio: poisson_ratio? })
 }
 
 fn unit_weight(keys: &mut Keys<'_>, acceleration: f64) -> Option<f64> {
@@ -73,11 +62,7 @@ fn unit_weight(keys: &mut Keys<'_>, acceleration: f64) -> Option<f64> {
     }
 }
 
-fn von_mises(
-    keys: &mut Keys<'_>,
-    cursor: &Cursor<'_>,
-    elastic: Option<Elastic>,
-) -> Option<Material> {
+fn von_mises(keys: &mut Keys<'_>, cursor: &Cursor<'_>, elastic: Option<Elastic>) -> Option<Material> {
     let at = Places::of(keys, cursor.key);
     let strength = strength(keys);
     let (elastic, strength) = (elastic?, strength?);

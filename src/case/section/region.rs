@@ -66,14 +66,7 @@ fn region(index: usize, mut keys: Keys<'_>, places: &mut PlacedRegion) -> Option
     let spin = keys.optional("spin", spin);
     let wave = keys.optional("wave", wave);
     keys.finish();
-    Some(Region {
-        name: name?,
-        material: material?,
-        shape: shape?,
-        velocity: velocity?,
-        spin: spin?,
-        wave: wave?,
-    })
+    Some(Region { name: name?, material: material?, shape: shape?, velocity: velocity?, spin: spin?, wave: wave? })
 }
 
 fn shape(cursor: &Cursor<'_>, corners_at: &mut Vec<Span>) -> Option<RegionShape> {

@@ -8,10 +8,7 @@ use crate::case::types::{RegionShape, Slide};
 use crate::math::polygon::Point;
 
 /// Reads `[slide]`; no table, no slide.
-pub(super) fn slide(
-    root: &mut Keys<'_>,
-    outlines: Option<&[&RegionShape]>,
-) -> Option<Option<Slide>> {
+pub(super) fn slide(root: &mut Keys<'_>, outlines: Option<&[&RegionShape]>) -> Option<Option<Slide>> {
     root.optional("slide", |cursor| read(cursor.table()?, outlines))
 }
 
@@ -51,11 +48,7 @@ fn length(keys: &mut Keys<'_>, key: &'static str, default: Option<f64>) -> Optio
     keys.header_error(key, problem.help(format!("set `slide.{key}`, or move `slide.crest`")))
 }
 
-fn crest(
-    keys: &mut Keys<'_>,
-    outlines: Option<&[&RegionShape]>,
-    extent: Option<&Extent>,
-) -> Option<Point> {
+fn crest(keys: &mut Keys<'_>, outlines: Option<&[&RegionShape]>, extent: Option<&Extent>) -> Option<Point> {
     let Some(cursor) = keys.get("crest") else {
         let found = extent?.crest;
         let problem = Problem::new("no crest can be found", "no region is a polygon")

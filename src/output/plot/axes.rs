@@ -28,19 +28,12 @@ pub struct AxisSpec {
 impl AxisSpec {
     /// A linear axis that takes its range from the data.
     pub fn linear(label: impl Into<String>) -> AxisSpec {
-        AxisSpec {
-            label: label.into(),
-            ..AxisSpec::default()
-        }
+        AxisSpec { label: label.into(), ..AxisSpec::default() }
     }
 
     /// A logarithmic axis that takes its range from the data.
     pub fn log(label: impl Into<String>) -> AxisSpec {
-        AxisSpec {
-            label: label.into(),
-            scale: Scale::Log,
-            range: None,
-        }
+        AxisSpec { label: label.into(), scale: Scale::Log, range: None }
     }
 
     /// The axis for these values, with a share `pad` of the range added at both ends. A linear
@@ -51,9 +44,7 @@ impl AxisSpec {
         }
         let usable = |v: &f64| v.is_finite() && (self.scale == Scale::Linear || *v > 0.0);
         let widen = |(lo, hi): (f64, f64), v: f64| (lo.min(v), hi.max(v));
-        let (lo, hi) = values
-            .filter(usable)
-            .fold((f64::INFINITY, f64::NEG_INFINITY), widen);
+        let (lo, hi) = values.filter(usable).fold((f64::INFINITY, f64::NEG_INFINITY), widen);
         if lo > hi {
             return Axis::new(f64::NAN, f64::NAN, self.scale);
         }
@@ -64,11 +55,7 @@ impl AxisSpec {
         }
         let (lo, hi) = ticks::sane_range(lo, hi);
         let room = pad * (hi - lo);
-        let start = if lo >= 0.0 && lo < 0.3 * hi {
-            0.0
-        } else {
-            lo - room
-        };
+        let start = if lo >= 0.0 && lo < 0.3 * hi { 0.0 } else { lo - room };
         Axis::new(start, hi + room, Scale::Linear)
     }
 }
@@ -178,39 +165,22 @@ impl Axes<'_> {
 
     /// Edge, ticks, numbers and labels.
     pub fn draw(&self, canvas: &mut Canvas, frame: Frame) {
-        canvas.edge(
-            (frame.left - 2, frame.top - 2),
-            (frame.right + 2, frame.bottom + 2),
-            2,
-            BLACK,
-        );
+        canvas.edge((frame.left - 2, frame.top - 2), (frame.right + 2, frame.bottom + 2), 2, BLACK);
         self.draw_x(canvas, frame);
         self.draw_y(canvas, frame);
     }
 
     fn draw_x(&self, canvas: &mut Canvas, frame: Frame) {
         for x in self.x_at(frame, self.x_axis.minor().into_iter()) {
-            canvas.rect(
-                (x, frame.bottom),
-                (x + 1, frame.bottom + TICK_LENGTH - 2),
-                BLACK,
-            );
+            canvas.rect((x, frame.bottom), (x + 1, frame.bottom + TICK_LENGTH - 2), BLACK);
         }
         for x in self.x_at(frame, self.x.iter().map(|t| t.0)) {
-            canvas.rect(
-                (x - 1, frame.bottom),
-                (x + 1, frame.bottom + TICK_LENGTH),
-                BLACK,
-            );
+            canvas.rect((x - 1, frame.bottom), (x + 1, frame.bottom + TICK_LENGTH), BLACK);
         }
         if self.x_numbers {
             for (value, label) in self.x {
                 let x = frame.x(self.x_axis.fraction(*value));
-                canvas.text(
-                    label,
-                    (x, f64::from(frame.bottom) + 34.0),
-                    TextStyle::new(TICK, Align::Centre),
-                );
+                canvas.text(label, (x, f64::from(frame.bottom) + 34.0), TextStyle::new(TICK, Align::Centre));
             }
             let middle = (frame.x(0.5), f64::from(frame.bottom) + 71.0);
             let label = fitted(self.x_label, LABEL, f64::from(frame.width()).max(300.0));
@@ -220,18 +190,10 @@ impl Axes<'_> {
 
     fn draw_y(&self, canvas: &mut Canvas, frame: Frame) {
         for y in self.y_at(frame, self.y_axis.minor().into_iter()) {
-            canvas.rect(
-                (frame.left - TICK_LENGTH + 2, y),
-                (frame.left, y + 1),
-                BLACK,
-            );
+            canvas.rect((frame.left - TICK_LENGTH + 2, y), (frame.left, y + 1), BLACK);
         }
         for y in self.y_at(frame, self.y.iter().map(|t| t.0)) {
-            canvas.rect(
-                (frame.left - TICK_LENGTH, y - 1),
-                (frame.left, y + 1),
-                BLACK,
-            );
+            canvas.rect((frame.left - TICK_LENGTH, y - 1), (frame.left, y + 1), BLACK);
         }
         let edge = f64::from(frame.left - TICK_LENGTH - 7);
         for (value, label) in self.y {
@@ -240,23 +202,15 @@ impl Axes<'_> {
         }
         let x = edge - widest(self.y) - 0.75 * LABEL;
         let label = fitted(self.y_label, LABEL, f64::from(frame.height()).max(110.0));
-        canvas.text(
-            &label,
-            (x, frame.y(0.5)),
-            TextStyle::new(LABEL, Align::Centre).turned(90.0),
-        );
+        canvas.text(&label, (x, frame.y(0.5)), TextStyle::new(LABEL, Align::Centre).turned(90.0));
     }
 
     fn x_at(&self, frame: Frame, values: impl Iterator<Item = f64>) -> Vec<i32> {
-        values
-            .map(|v| frame.x(self.x_axis.fraction(v)).round() as i32)
-            .collect()
+        values.map(|v| frame.x(self.x_axis.fraction(v)).round() as i32).collect()
     }
 
     fn y_at(&self, frame: Frame, values: impl Iterator<Item = f64>) -> Vec<i32> {
-        values
-            .map(|v| frame.y(self.y_axis.fraction(v)).round() as i32)
-            .collect()
+        values.map(|v| frame.y(self.y_axis.fraction(v)).round() as i32).collect()
     }
 }
 
@@ -266,10 +220,7 @@ pub fn left_margin(ticks: &[(f64, String)]) -> i32 {
 }
 
 fn widest(ticks: &[(f64, String)]) -> f64 {
-    ticks
-        .iter()
-        .map(|(_, label)| font::width(label, TICK))
-        .fold(0.0, f64::max)
+    ticks.iter().map(|(_, label)| font::width(label, TICK)).fold(0.0, f64::max)
 }
 
 /// A 2 px line across the frame at pixel column `x`, dashed.

@@ -3,9 +3,7 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use tiny_skia::{
-    FillRule, LineCap, LineJoin, Paint, PathBuilder, Pixmap, Rect, Stroke, StrokeDash, Transform,
-};
+use tiny_skia::{FillRule, LineCap, LineJoin, Paint, PathBuilder, Pixmap, Rect, Stroke, StrokeDash, Transform};
 
 use super::colour::{Rgb, WHITE};
 use super::font;
@@ -54,9 +52,7 @@ impl Canvas {
     #[cfg(test)]
     pub fn get(&self, x: i32, y: i32) -> Rgb {
         let pixel = u32::try_from(x).ok().zip(u32::try_from(y).ok());
-        pixel
-            .and_then(|(x, y)| self.pixmap.pixel(x, y))
-            .map_or(WHITE, |p| Rgb(p.red(), p.green(), p.blue()))
+        pixel.and_then(|(x, y)| self.pixmap.pixel(x, y)).map_or(WHITE, |p| Rgb(p.red(), p.green(), p.blue()))
     }
 
     /// Fills the pixels `x0..x1`, `y0..y1`, without smoothing.
@@ -70,22 +66,11 @@ impl Canvas {
 
     /// The same with `opacity` in 0..1.
     pub fn tint(&mut self, (x0, y0): (i32, i32), (x1, y1): (i32, i32), colour: Rgb, opacity: f64) {
-        let rect = Rect::from_ltrb(
-            x0 as f32,
-            y0 as f32,
-            x1.max(x0 + 1) as f32,
-            y1.max(y0 + 1) as f32,
-        );
+        let rect = Rect::from_ltrb(x0 as f32, y0 as f32, x1.max(x0 + 1) as f32, y1.max(y0 + 1) as f32);
         if let Some(rect) = rect {
             let mut paint = paint(colour);
-            paint.set_color_rgba8(
-                colour.0,
-                colour.1,
-                colour.2,
-                (opacity.clamp(0.0, 1.0) * 255.0) as u8,
-            );
-            self.pixmap
-                .fill_rect(rect, &paint, Transform::identity(), None);
+            paint.set_color_rgba8(colour.0, colour.1, colour.2, (opacity.clamp(0.0, 1.0) * 255.0) as u8);
+            self.pixmap.fill_rect(rect, &paint, Transform::identity(), None);
         }
     }
 
@@ -98,43 +83,20 @@ impl Canvas {
     }
 
     /// A polyline with round joints; `dash` is the length of dashes and gaps (pixels).
-    pub fn line(
-        &mut self,
-        points: &[(f64, f64)],
-        width: f64,
-        colour: Rgb,
-        dash: Option<(f64, f64)>,
-    ) {
+    pub fn line(&mut self, points: &[(f64, f64)], width: f64, colour: Rgb, dash: Option<(f64, f64)>) {
         let Some(path) = path_of(points, false) else {
             return;
         };
         let dash = dash.and_then(|(on, off)| StrokeDash::new(vec![on as f32, off as f32], 0.0));
-        let line_cap = if dash.is_some() {
-            LineCap::Butt
-        } else {
-            LineCap::Round
-        };
-        let stroke = Stroke {
-            width: width as f32,
-            line_cap,
-            line_join: LineJoin::Round,
-            dash,
-            ..Stroke::default()
-        };
-        self.pixmap
-            .stroke_path(&path, &paint(colour), &stroke, Transform::identity(), None);
+        let line_cap = if dash.is_some() { LineCap::Butt } else { LineCap::Round };
+        let stroke = Stroke { width: width as f32, line_cap, line_join: LineJoin::Round, dash, ..Stroke::default() };
+        self.pixmap.stroke_path(&path, &paint(colour), &stroke, Transform::identity(), None);
     }
 
     /// A filled polygon.
     pub fn polygon(&mut self, points: &[(f64, f64)], colour: Rgb) {
         if let Some(path) = path_of(points, true) {
-            self.pixmap.fill_path(
-                &path,
-                &paint(colour),
-                FillRule::Winding,
-                Transform::identity(),
-                None,
-            );
+            self.pixmap.fill_path(&path, &paint(colour), FillRule::Winding, Transform::identity(), None);
         }
     }
 
@@ -142,13 +104,7 @@ impl Canvas {
     pub fn disc(&mut self, (x, y): (f64, f64), radius: f64, colour: Rgb) {
         for (radius, colour) in [(radius + 1.0, WHITE), (radius, colour)] {
             if let Some(path) = PathBuilder::from_circle(x as f32, y as f32, radius as f32) {
-                self.pixmap.fill_path(
-                    &path,
-                    &paint(colour),
-                    FillRule::Winding,
-                    Transform::identity(),
-                    None,
-                );
+                self.pixmap.fill_path(&path, &paint(colour), FillRule::Winding, Transform::identity(), None);
             }
         }
     }
@@ -166,8 +122,7 @@ impl Canvas {
         let place = Transform::from_translate(shift as f32, 0.0)
             .post_concat(Transform::from_rotate(-style.angle as f32))
             .post_translate(x as f32, y as f32);
-        self.pixmap
-            .fill_path(&path, &paint(style.colour), FillRule::Winding, place, None);
+        self.pixmap.fill_path(&path, &paint(style.colour), FillRule::Winding, place, None);
     }
 
     /// Text over a drawing: on a white patch.
@@ -179,12 +134,7 @@ impl Canvas {
             Align::Right => x - half + 6.0,
         };
         let top = ((middle - half) as i32, (y - 0.82 * style.size) as i32);
-        self.tint(
-            top,
-            ((middle + half) as i32, (y + 0.26 * style.size) as i32),
-            WHITE,
-            0.85,
-        );
+        self.tint(top, ((middle + half) as i32, (y + 0.26 * style.size) as i32), WHITE, 0.85);
         self.text(text, (x, y), style);
     }
 
@@ -206,10 +156,7 @@ pub fn save(path: &Path, png: &[u8]) -> io::Result<()> {
 }
 
 fn paint(colour: Rgb) -> Paint<'static> {
-    let mut paint = Paint {
-        anti_alias: true,
-        ..Paint::default()
-    };
+    let mut paint = Paint { anti_alias: true, ..Paint::default() };
     paint.set_color_rgba8(colour.0, colour.1, colour.2, 255);
     paint
 }
@@ -218,8 +165,7 @@ fn path_of(points: &[(f64, f64)], close: bool) -> Option<tiny_skia::Path> {
     let ((x, y), rest) = points.split_first()?;
     let mut path = PathBuilder::new();
     path.move_to(*x as f32, *y as f32);
-    rest.iter()
-        .for_each(|(x, y)| path.line_to(*x as f32, *y as f32));
+    rest.iter().for_each(|(x, y)| path.line_to(*x as f32, *y as f32));
     if close {
         path.close();
     }

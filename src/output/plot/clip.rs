@@ -19,23 +19,13 @@ pub fn polyline(points: &[(f64, f64)], lo: (f64, f64), hi: (f64, f64)) -> Vec<Li
 }
 
 /// The part of a segment inside a rectangle (Liang and Barsky).
-fn segment(
-    a: (f64, f64),
-    b: (f64, f64),
-    lo: (f64, f64),
-    hi: (f64, f64),
-) -> Option<((f64, f64), (f64, f64))> {
+fn segment(a: (f64, f64), b: (f64, f64), lo: (f64, f64), hi: (f64, f64)) -> Option<((f64, f64), (f64, f64))> {
     let d = (b.0 - a.0, b.1 - a.1);
     if !(d.0.is_finite() && d.1.is_finite()) {
         return None;
     }
     let (mut from, mut to) = (0.0_f64, 1.0_f64);
-    for (p, q) in [
-        (-d.0, a.0 - lo.0),
-        (d.0, hi.0 - a.0),
-        (-d.1, a.1 - lo.1),
-        (d.1, hi.1 - a.1),
-    ] {
+    for (p, q) in [(-d.0, a.0 - lo.0), (d.0, hi.0 - a.0), (-d.1, a.1 - lo.1), (d.1, hi.1 - a.1)] {
         if p == 0.0 && q < 0.0 {
             return None;
         }
@@ -47,12 +37,7 @@ fn segment(
     }
     let at = |t: f64| (a.0 + t * d.0, a.1 + t * d.1);
     // The untouched ends are kept exactly, so that neighbours join.
-    (from <= to).then(|| {
-        (
-            if from == 0.0 { a } else { at(from) },
-            if to == 1.0 { b } else { at(to) },
-        )
-    })
+    (from <= to).then(|| (if from == 0.0 { a } else { at(from) }, if to == 1.0 { b } else { at(to) }))
 }
 
 /// Fewer vertices for the same picture: of a line's neighbouring vertices in one pixel column only
@@ -76,13 +61,7 @@ fn keep_extremes(column: &[(f64, f64)], kept: &mut Vec<(f64, f64)>) {
     let order = |i: &usize, j: &usize| column[*i].1.total_cmp(&column[*j].1);
     let lowest = (0..column.len()).min_by(order).unwrap_or(0);
     let highest = (0..column.len()).max_by(order).unwrap_or(0);
-    let mut picked = [
-        0,
-        lowest.min(highest),
-        lowest.max(highest),
-        column.len() - 1,
-    ]
-    .to_vec();
+    let mut picked = [0, lowest.min(highest), lowest.max(highest), column.len() - 1].to_vec();
     picked.dedup();
     kept.extend(picked.into_iter().map(|i| column[i]));
 }

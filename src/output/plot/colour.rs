@@ -12,12 +12,7 @@ pub const GRID: Rgb = Rgb(226, 226, 226);
 /// Where a point has no value.
 pub const NO_VALUE: Rgb = Rgb(176, 176, 176);
 /// Blue, light blue, orange, red: elastic, unloading, softening, residual.
-pub const STAGES: [Rgb; 4] = [
-    Rgb(36, 84, 164),
-    Rgb(142, 199, 235),
-    Rgb(245, 155, 35),
-    Rgb(200, 37, 44),
-];
+pub const STAGES: [Rgb; 4] = [Rgb(36, 84, 164), Rgb(142, 199, 235), Rgb(245, 155, 35), Rgb(200, 37, 44)];
 
 /// Colours of curves and of materials, one after the other.
 pub const PALETTE: [Rgb; 8] = [
@@ -43,21 +38,11 @@ pub enum ColourMap {
 /// Knots of a map: lightness, chroma and hue (degrees) in OKLCh.
 type Knots = [[f64; 3]; 5];
 
-const SEQUENTIAL: Knots = [
-    [0.28, 0.115, 308.0],
-    [0.44, 0.115, 268.0],
-    [0.60, 0.110, 200.0],
-    [0.76, 0.165, 148.0],
-    [0.92, 0.185, 106.0],
-];
+const SEQUENTIAL: Knots =
+    [[0.28, 0.115, 308.0], [0.44, 0.115, 268.0], [0.60, 0.110, 200.0], [0.76, 0.165, 148.0], [0.92, 0.185, 106.0]];
 
-const DIVERGING: Knots = [
-    [0.45, 0.170, 262.0],
-    [0.72, 0.105, 238.0],
-    [0.965, 0.065, 102.0],
-    [0.76, 0.145, 58.0],
-    [0.48, 0.195, 27.0],
-];
+const DIVERGING: Knots =
+    [[0.45, 0.170, 262.0], [0.72, 0.105, 238.0], [0.965, 0.065, 102.0], [0.76, 0.145, 58.0], [0.48, 0.195, 27.0]];
 
 const STEPS: usize = 256;
 
@@ -84,11 +69,7 @@ fn table(knots: &Knots, polar: bool) -> [Rgb; STEPS] {
         let t = i as f64 / (STEPS - 1) as f64 * (knots.len() - 1) as f64;
         let k = (t as usize).min(knots.len() - 2);
         let (a, b, s) = (knots[k], knots[k + 1], t - k as f64);
-        if polar {
-            oklab_to_rgb(oklab(mix(a, b, s)))
-        } else {
-            oklab_to_rgb(mix(oklab(a), oklab(b), s))
-        }
+        if polar { oklab_to_rgb(oklab(mix(a, b, s))) } else { oklab_to_rgb(mix(oklab(a), oklab(b), s)) }
     })
 }
 
@@ -105,13 +86,8 @@ fn oklab([l, c, h]: [f64; 3]) -> [f64; 3] {
 /// outside sRGB loses chroma, never lightness.
 fn oklab_to_rgb(lab: [f64; 3]) -> Rgb {
     let inside = |rgb: &[f64; 3]| rgb.iter().all(|x| (-1e-4..=1.0001).contains(x));
-    let faded = |k: i32| {
-        linear_rgb([
-            lab[0],
-            lab[1] * (1.0 - 0.02 * f64::from(k)),
-            lab[2] * (1.0 - 0.02 * f64::from(k)),
-        ])
-    };
+    let faded =
+        |k: i32| linear_rgb([lab[0], lab[1] * (1.0 - 0.02 * f64::from(k)), lab[2] * (1.0 - 0.02 * f64::from(k))]);
     let rgb = (0..=50).map(faded).find(inside).unwrap_or([lab[0]; 3]);
     let [r, g, b] = rgb.map(|x| (gamma(x.clamp(0.0, 1.0)) * 255.0).round() as u8);
     Rgb(r, g, b)
@@ -129,9 +105,5 @@ fn linear_rgb([l, a, b]: [f64; 3]) -> [f64; 3] {
 }
 
 fn gamma(x: f64) -> f64 {
-    if x <= 0.003_130_8 {
-        12.92 * x
-    } else {
-        1.055 * x.powf(1.0 / 2.4) - 0.055
-    }
+    if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
 }

@@ -91,10 +91,7 @@ pub fn field_png(snapshots: &[&Snapshot], options: &FieldOptions) -> io::Result<
 
 pub(super) fn draw(snapshots: &[&Snapshot], options: &FieldOptions) -> io::Result<Canvas> {
     let look = Look::new(snapshots, options);
-    let view = options
-        .view
-        .and_then(View::checked)
-        .unwrap_or_else(|| whole_view(snapshots, options));
+    let view = options.view.and_then(View::checked).unwrap_or_else(|| whole_view(snapshots, options));
     let wanted = Wanted {
         panels: snapshots.len(),
         width: options.width,
@@ -106,21 +103,10 @@ pub(super) fn draw(snapshots: &[&Snapshot], options: &FieldOptions) -> io::Resul
     let mut canvas = Canvas::new(layout.width as u32, layout.height as u32)?;
     if let Some(title) = &options.title {
         let title = fitted(title, TITLE, f64::from(layout.width) - 40.0);
-        canvas.text(
-            &title,
-            (0.5 * f64::from(layout.width), 42.0),
-            TextStyle::new(TITLE, Align::Centre),
-        );
+        canvas.text(&title, (0.5 * f64::from(layout.width), 42.0), TextStyle::new(TITLE, Align::Centre));
     }
     for k in 0..layout.frames.len() {
-        draw_panel(
-            &mut canvas,
-            &layout,
-            k,
-            snapshots.get(k).copied(),
-            options,
-            &look,
-        );
+        draw_panel(&mut canvas, &layout, k, snapshots.get(k).copied(), options, &look);
     }
     look.draw(&mut canvas, &layout);
     Ok(canvas)
@@ -131,12 +117,7 @@ fn whole_view(snapshots: &[&Snapshot], options: &FieldOptions) -> View {
     let mut further = options.outline.clone();
     further.extend(options.dimensions.iter().flat_map(|d| [d.from, d.to]));
     let room = 0.03 * View::around(snapshots, &further).width();
-    further.extend(
-        options
-            .dimensions
-            .iter()
-            .map(|d| [d.from[0], d.from[1].max(d.to[1]) + room]),
-    );
+    further.extend(options.dimensions.iter().map(|d| [d.from[0], d.from[1].max(d.to[1]) + room]));
     View::around(snapshots, &further)
 }
 
@@ -151,59 +132,29 @@ fn draw_panel(
     let frame = layout.frames[k];
     match snapshot {
         Some(s) if !s.is_empty() => draw_points(canvas, layout, frame, s, options, look),
-        _ => canvas.text(
-            "no points",
-            (frame.x(0.5), frame.y(0.5)),
-            TextStyle::new(LABEL, Align::Centre),
-        ),
+        _ => canvas.text("no points", (frame.x(0.5), frame.y(0.5)), TextStyle::new(LABEL, Align::Centre)),
     }
     if let Some(base) = options.base {
         draw_base(canvas, layout, frame, base);
     }
-    draw_line(
-        canvas,
-        layout,
-        frame,
-        &options.outline,
-        2.0,
-        Some((10.0, 7.0)),
-    );
-    options
-        .dimensions
-        .iter()
-        .filter(|d| d.panel == k)
-        .for_each(|d| draw_dimension(canvas, layout, frame, d));
+    draw_line(canvas, layout, frame, &options.outline, 2.0, Some((10.0, 7.0)));
+    options.dimensions.iter().filter(|d| d.panel == k).for_each(|d| draw_dimension(canvas, layout, frame, d));
     draw_axes(canvas, layout, frame, k + 1 == layout.frames.len());
     if let Some(s) = snapshot {
-        let caption = options
-            .captions
-            .get(k)
-            .cloned()
-            .unwrap_or_else(|| format!("t = {} s", ticks::number(s.time)));
+        let caption = options.captions.get(k).cloned().unwrap_or_else(|| format!("t = {} s", ticks::number(s.time)));
         let caption = fitted(&caption, LABEL, f64::from(frame.width()));
         let corner = (f64::from(frame.left), f64::from(frame.top) - 13.0);
         canvas.text(&caption, corner, TextStyle::new(LABEL, Align::Left));
     }
 }
 
-fn draw_points(
-    canvas: &mut Canvas,
-    layout: &Layout,
-    frame: Frame,
-    s: &Snapshot,
-    options: &FieldOptions,
-    look: &Look,
-) {
+fn draw_points(canvas: &mut Canvas, layout: &Layout, frame: Frame, s: &Snapshot, options: &FieldOptions, look: &Look) {
     let mut raster = Raster::new(frame.width() as usize, frame.height() as usize);
     let mut sides = 0.0;
     for i in 0..s.len() {
         let side = side(s, i) * layout.scale;
         sides += side;
-        raster.square(
-            layout.place(s.position[i]),
-            side,
-            look.colour(options.kind.value(s, i)),
-        );
+        raster.square(layout.place(s.position[i]), side, look.colour(options.kind.value(s, i)));
     }
     let mean = sides / s.len() as f64;
     let widest = (options.seam.clamp(0.0, 10.0) * mean).ceil();
@@ -217,14 +168,5 @@ fn draw_axes(canvas: &mut Canvas, layout: &Layout, frame: Frame, last: bool) {
     let y_axis = Axis::new(view.min[1], view.max[1], Scale::Linear);
     let x = x_axis.ticks((frame.width() / 120).max(2) as usize);
     let y = y_axis.ticks((frame.height() / 60).clamp(2, 10) as usize);
-    Axes {
-        x: &x,
-        y: &y,
-        x_axis,
-        y_axis,
-        x_label: "x (m)",
-        y_label: "y (m)",
-        x_numbers: last,
-    }
-    .draw(canvas, frame);
+    Axes { x: &x, y: &y, x_axis, y_axis, x_label: "x (m)", y_label: "y (m)", x_numbers: last }.draw(canvas, frame);
 }

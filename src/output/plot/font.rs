@@ -20,9 +20,7 @@ pub fn outline(text: &str, size: f64) -> Option<Path> {
     let scale = scale(size);
     place(text, size, |font, glyph, x| {
         let curves = font.outline(glyph).map(|o| o.curves).unwrap_or_default();
-        add_glyph(&mut path, &curves, |p| {
-            (x as f32 + p.x * scale, -p.y * scale)
-        });
+        add_glyph(&mut path, &curves, |p| (x as f32 + p.x * scale, -p.y * scale));
     });
     path.finish()
 }
@@ -54,20 +52,14 @@ fn place(text: &str, size: f64, mut put: impl FnMut(&FontRef<'static>, GlyphId, 
 /// The glyph of a character, a question mark for one that the font lacks.
 fn glyph(font: &FontRef<'static>, c: char) -> GlyphId {
     let glyph = font.glyph_id(c);
-    if glyph == GlyphId(0) {
-        font.glyph_id('?')
-    } else {
-        glyph
-    }
+    if glyph == GlyphId(0) { font.glyph_id('?') } else { glyph }
 }
 
 fn add_glyph(path: &mut PathBuilder, curves: &[OutlineCurve], map: impl Fn(Point) -> (f32, f32)) {
     let mut pen: Option<Point> = None;
     for curve in curves {
         let (start, end) = match curve {
-            OutlineCurve::Line(a, b)
-            | OutlineCurve::Quad(a, _, b)
-            | OutlineCurve::Cubic(a, _, _, b) => (*a, *b),
+            OutlineCurve::Line(a, b) | OutlineCurve::Quad(a, _, b) | OutlineCurve::Cubic(a, _, _, b) => (*a, *b),
         };
         let ((sx, sy), (ex, ey)) = (map(start), map(end));
         if pen != Some(start) {
@@ -77,9 +69,7 @@ fn add_glyph(path: &mut PathBuilder, curves: &[OutlineCurve], map: impl Fn(Point
         match curve {
             OutlineCurve::Line(..) => path.line_to(ex, ey),
             OutlineCurve::Quad(_, c, _) => path.quad_to(map(*c).0, map(*c).1, ex, ey),
-            OutlineCurve::Cubic(_, c, d, _) => {
-                path.cubic_to(map(*c).0, map(*c).1, map(*d).0, map(*d).1, ex, ey)
-            }
+            OutlineCurve::Cubic(_, c, d, _) => path.cubic_to(map(*c).0, map(*c).1, map(*d).0, map(*d).1, ex, ey),
         }
         pen = Some(end);
     }

@@ -70,54 +70,23 @@ pub fn intervals_png(plot: &IntervalPlot) -> io::Result<Vec<u8>> {
 
 pub(super) fn draw(plot: &IntervalPlot) -> io::Result<Canvas> {
     let mut canvas = Canvas::new(plot.width.max(400), plot.height.max(300))?;
-    let items = plot.items.iter().flat_map(|i| {
-        [i.low, i.median, i.high]
-            .into_iter()
-            .chain(i.values.iter().copied())
-    });
-    let y_axis = plot
-        .y
-        .fit(items.chain(plot.markers.iter().map(|m| m.0)), 0.05);
+    let items = plot.items.iter().flat_map(|i| [i.low, i.median, i.high].into_iter().chain(i.values.iter().copied()));
+    let y_axis = plot.y.fit(items.chain(plot.markers.iter().map(|m| m.0)), 0.05);
     let x_axis = Axis::new(0.0, plot.items.len().max(1) as f64, Scale::Linear);
     let names = Names::new(plot, &canvas);
     let top = if plot.title.is_some() { 66 } else { 22 };
     let bottom = canvas.height() - BELOW - 8 - names.extra;
     let y = y_axis.ticks(((bottom - top) / 60).clamp(2, 10) as usize);
-    let margin = plot
-        .markers
-        .iter()
-        .map(|m| font::width(&m.1, TICK))
-        .fold(16.0, f64::max)
-        .min(0.3 * f64::from(canvas.width()));
-    let frame = Frame {
-        left: left_margin(&y) + 6,
-        top,
-        right: canvas.width() - margin as i32 - 24,
-        bottom,
-    };
-    let axes = Axes {
-        x: &[],
-        y: &y,
-        x_axis,
-        y_axis,
-        x_label: "",
-        y_label: &plot.y.label,
-        x_numbers: false,
-    };
+    let margin =
+        plot.markers.iter().map(|m| font::width(&m.1, TICK)).fold(16.0, f64::max).min(0.3 * f64::from(canvas.width()));
+    let frame = Frame { left: left_margin(&y) + 6, top, right: canvas.width() - margin as i32 - 24, bottom };
+    let axes = Axes { x: &[], y: &y, x_axis, y_axis, x_label: "", y_label: &plot.y.label, x_numbers: false };
     axes.draw_grid(&mut canvas, frame);
     draw_markers(&mut canvas, frame, &y_axis, &plot.markers);
     for (k, item) in plot.items.iter().enumerate() {
         let x = frame.x(x_axis.fraction(k as f64 + 0.5));
-        let half =
-            (0.3 * frame.x(x_axis.fraction(1.0)) - 0.3 * f64::from(frame.left)).clamp(2.0, 60.0);
-        draw_item(
-            &mut canvas,
-            frame,
-            &y_axis,
-            item,
-            (x, half),
-            PALETTE[k % PALETTE.len()],
-        );
+        let half = (0.3 * frame.x(x_axis.fraction(1.0)) - 0.3 * f64::from(frame.left)).clamp(2.0, 60.0);
+        draw_item(&mut canvas, frame, &y_axis, item, (x, half), PALETTE[k % PALETTE.len()]);
         names.draw(&mut canvas, &item.label, x, frame.bottom);
     }
     axes.draw(&mut canvas, frame);
@@ -128,18 +97,10 @@ pub(super) fn draw(plot: &IntervalPlot) -> io::Result<Canvas> {
 fn draw_titles(canvas: &mut Canvas, plot: &IntervalPlot, frame: Frame) {
     if let Some(title) = &plot.title {
         let title = fitted(title, TITLE, f64::from(canvas.width()) - 40.0);
-        canvas.text(
-            &title,
-            (frame.x(0.5), 42.0),
-            TextStyle::new(TITLE, Align::Centre),
-        );
+        canvas.text(&title, (frame.x(0.5), 42.0), TextStyle::new(TITLE, Align::Centre));
     }
     let at = (frame.x(0.5), f64::from(canvas.height()) - 23.0);
-    canvas.text(
-        &fitted(&plot.x_label, LABEL, f64::from(frame.width())),
-        at,
-        TextStyle::new(LABEL, Align::Centre),
-    );
+    canvas.text(&fitted(&plot.x_label, LABEL, f64::from(frame.width())), at, TextStyle::new(LABEL, Align::Centre));
 }
 
 fn draw_markers(canvas: &mut Canvas, frame: Frame, y_axis: &Axis, markers: &[(f64, String)]) {
@@ -154,28 +115,15 @@ fn draw_markers(canvas: &mut Canvas, frame: Frame, y_axis: &Axis, markers: &[(f6
     let x = f64::from(frame.right) + 12.0;
     let room = f64::from(canvas.width()) - x - 6.0;
     for (y, label) in spread_out(labels, TICK + 4.0) {
-        canvas.text(
-            &fitted(label, TICK, room),
-            (x, y + 0.36 * TICK),
-            TextStyle::new(TICK, Align::Left),
-        );
+        canvas.text(&fitted(label, TICK, room), (x, y + 0.36 * TICK), TextStyle::new(TICK, Align::Left));
     }
 }
 
 /// A pale box from low to high, a bar at the median, and the dots.
-fn draw_item(
-    canvas: &mut Canvas,
-    frame: Frame,
-    y_axis: &Axis,
-    item: &Interval,
-    (x, half): (f64, f64),
-    colour: Rgb,
-) {
+fn draw_item(canvas: &mut Canvas, frame: Frame, y_axis: &Axis, item: &Interval, (x, half): (f64, f64), colour: Rgb) {
     let row = |v: f64| {
         let fraction = y_axis.fraction(v);
-        fraction
-            .is_finite()
-            .then(|| frame.y(fraction.clamp(0.0, 1.0)).round() as i32)
+        fraction.is_finite().then(|| frame.y(fraction.clamp(0.0, 1.0)).round() as i32)
     };
     let (left, right) = ((x - half).round() as i32, (x + half).round() as i32);
     if let (Some(low), Some(high)) = (row(item.low), row(item.high)) {
@@ -210,27 +158,11 @@ struct Names {
 impl Names {
     fn new(plot: &IntervalPlot, canvas: &Canvas) -> Names {
         let slot = (f64::from(canvas.width()) - 220.0) / plot.items.len().max(1) as f64;
-        let widest = plot
-            .items
-            .iter()
-            .map(|i| font::width(&i.label, TICK))
-            .fold(0.0, f64::max);
+        let widest = plot.items.iter().map(|i| font::width(&i.label, TICK)).fold(0.0, f64::max);
         let turned = widest > slot - 10.0;
-        let most = if turned {
-            0.35 * f64::from(canvas.height())
-        } else {
-            slot
-        };
-        let extra = if turned {
-            (widest.min(most) - TICK).max(0.0) as i32
-        } else {
-            0
-        };
-        Names {
-            turned,
-            extra,
-            most,
-        }
+        let most = if turned { 0.35 * f64::from(canvas.height()) } else { slot };
+        let extra = if turned { (widest.min(most) - TICK).max(0.0) as i32 } else { 0 };
+        Names { turned, extra, most }
     }
 
     fn draw(&self, canvas: &mut Canvas, label: &str, x: f64, bottom: i32) {
@@ -240,11 +172,7 @@ impl Names {
             let style = TextStyle::new(TICK, Align::Right).turned(90.0);
             canvas.text(&label, (x + 0.36 * TICK, bottom + 14.0), style);
         } else {
-            canvas.text(
-                &label,
-                (x, bottom + 34.0),
-                TextStyle::new(TICK, Align::Centre),
-            );
+            canvas.text(&label, (x, bottom + 34.0), TextStyle::new(TICK, Align::Centre));
         }
     }
 }

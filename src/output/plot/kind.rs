@@ -143,23 +143,12 @@ impl FieldKind {
     /// outermost 2 % (plastic strain) or 0.5 %, which the colour bar then marks with arrows.
     pub fn automatic_range(self, snapshots: &[&Snapshot]) -> (f64, f64) {
         let values = self.sorted_sample(snapshots);
-        let tail = if self == FieldKind::PlasticStrain {
-            0.02
-        } else {
-            0.005
-        };
-        let quantile = |q: f64| {
-            values
-                .get((q * values.len().saturating_sub(1) as f64).round() as usize)
-                .copied()
-        };
+        let tail = if self == FieldKind::PlasticStrain { 0.02 } else { 0.005 };
+        let quantile = |q: f64| values.get((q * values.len().saturating_sub(1) as f64).round() as usize).copied();
         let (Some(lo), Some(hi)) = (quantile(tail), quantile(1.0 - tail)) else {
             return (0.0, 1.0);
         };
-        let never_negative = matches!(
-            self,
-            FieldKind::PlasticStrain | FieldKind::Displacement | FieldKind::Velocity
-        );
+        let never_negative = matches!(self, FieldKind::PlasticStrain | FieldKind::Displacement | FieldKind::Velocity);
         let lo = if never_negative { 0.0 } else { lo };
         if never_negative && hi <= 0.0 {
             return (0.0, 1.0);
@@ -187,13 +176,6 @@ fn round_outwards(lo: f64, hi: f64) -> (f64, f64) {
         return (lo, hi);
     }
     let step = nice_step(span, 10);
-    let (down, up) = (
-        (lo / step + 1e-6).floor() * step,
-        (hi / step - 1e-6).ceil() * step,
-    );
-    if down.is_finite() && up.is_finite() {
-        (down, up)
-    } else {
-        (lo, hi)
-    }
+    let (down, up) = ((lo / step + 1e-6).floor() * step, (hi / step - 1e-6).ceil() * step);
+    if down.is_finite() && up.is_finite() { (down, up) } else { (lo, hi) }
 }

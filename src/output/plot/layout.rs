@@ -50,51 +50,26 @@ impl Layout {
         let panel_width = (view.width() * scale).round().clamp(room.min(500.0), room);
         let panel_height = (view.height() * scale).round().clamp(120.0, highest);
         let first = left + (0.5 * (room - panel_width)) as i32;
-        let (frames, bottom) = stack(
-            panels,
-            (first, first + panel_width as i32),
-            panel_height as i32,
-            wanted,
-        );
+        let (frames, bottom) = stack(panels, (first, first + panel_width as i32), panel_height as i32, wanted);
         let legend = bottom + BELOW + 14;
         let view = view.widened(panel_width.floor() / scale, panel_height.floor() / scale);
-        Ok(Layout {
-            frames,
-            view,
-            scale,
-            width,
-            height: legend + wanted.legend + 16,
-            legend,
-        })
+        Ok(Layout { frames, view, scale, width, height: legend + wanted.legend + 16, legend })
     }
 
     /// From metres to pixels within a frame's rectangle (origin at its upper left corner).
     pub fn place(&self, x: [f64; 2]) -> (f64, f64) {
-        (
-            (x[0] - self.view.min[0]) * self.scale,
-            (self.view.max[1] - x[1]) * self.scale,
-        )
+        ((x[0] - self.view.min[0]) * self.scale, (self.view.max[1] - x[1]) * self.scale)
     }
 }
 
 /// Frames from the top down, and the bottom of the last.
-fn stack(
-    panels: usize,
-    (left, right): (i32, i32),
-    height: i32,
-    wanted: &Wanted,
-) -> (Vec<Frame>, i32) {
+fn stack(panels: usize, (left, right): (i32, i32), height: i32, wanted: &Wanted) -> (Vec<Frame>, i32) {
     let caption = if wanted.captions { CAPTION } else { 0 };
     let mut top = if wanted.title { 58 } else { 16 };
     let mut frames = Vec::new();
     for _ in 0..panels {
         top += caption;
-        frames.push(Frame {
-            left,
-            top,
-            right,
-            bottom: top + height,
-        });
+        frames.push(Frame { left, top, right, bottom: top + height });
         top += height + GAP;
     }
     (frames, top - GAP)

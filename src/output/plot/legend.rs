@@ -63,11 +63,7 @@ impl Rows {
             let y = f64::from(top + k * ROW) + 0.5 * f64::from(ROW);
             for entry in row {
                 draw_symbol(canvas, entry, (x, y));
-                canvas.text(
-                    &entry.name,
-                    (x + SYMBOL, y + 0.36 * TICK),
-                    TextStyle::new(TICK, Align::Left),
-                );
+                canvas.text(&entry.name, (x + SYMBOL, y + 0.36 * TICK), TextStyle::new(TICK, Align::Left));
                 x += SYMBOL + font::width(&entry.name, TICK) + SPACE;
             }
         }
@@ -109,11 +105,7 @@ impl ColourBar<'_> {
     pub fn draw(&self, canvas: &mut Canvas, left: i32, right: i32, top: i32) {
         let middle = 0.5 * f64::from(left + right);
         let title = fitted(self.title, LABEL, f64::from(canvas.width()) - 40.0);
-        canvas.text(
-            &title,
-            (middle, f64::from(top) + 26.0),
-            TextStyle::new(LABEL, Align::Centre),
-        );
+        canvas.text(&title, (middle, f64::from(top) + 26.0), TextStyle::new(LABEL, Align::Centre));
         let bar = top + 42;
         for x in left..right {
             let t = (f64::from(x - left) + 0.5) / f64::from(right - left);
@@ -130,11 +122,7 @@ impl ColourBar<'_> {
         for (value, label) in self.range.ticks(target) {
             let x = place(value).round() as i32;
             canvas.rect((x - 1, y), (x + 1, y + 8), BLACK);
-            canvas.text(
-                &label,
-                (place(value), f64::from(y) + 34.0),
-                TextStyle::new(TICK, Align::Centre),
-            );
+            canvas.text(&label, (place(value), f64::from(y) + 34.0), TextStyle::new(TICK, Align::Centre));
         }
     }
 
@@ -144,20 +132,12 @@ impl ColourBar<'_> {
         if self.extremes.1 > self.range.hi + slack {
             arrow(canvas, (f64::from(right) + 5.0, y), 18.0, self.map.at(1.0));
             let text = format!("max {}", ticks::number(self.extremes.1));
-            canvas.text(
-                &text,
-                (f64::from(right) + 34.0, y + 0.36 * TICK),
-                TextStyle::new(TICK, Align::Left),
-            );
+            canvas.text(&text, (f64::from(right) + 34.0, y + 0.36 * TICK), TextStyle::new(TICK, Align::Left));
         }
         if self.extremes.0 < self.range.lo - slack {
             arrow(canvas, (f64::from(left) - 5.0, y), -18.0, self.map.at(0.0));
             let text = format!("min {}", ticks::number(self.extremes.0));
-            canvas.text(
-                &text,
-                (f64::from(left) - 34.0, y + 0.36 * TICK),
-                TextStyle::new(TICK, Align::Right),
-            );
+            canvas.text(&text, (f64::from(left) - 34.0, y + 0.36 * TICK), TextStyle::new(TICK, Align::Right));
         }
     }
 }

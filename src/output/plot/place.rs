@@ -17,25 +17,17 @@ pub struct Place {
 
 impl Place {
     fn at(&self, (x, y): (f64, f64)) -> (f64, f64) {
-        (
-            self.frame.x(self.x.fraction(x)),
-            self.frame.y(self.y.fraction(y)),
-        )
+        (self.frame.x(self.x.fraction(x)), self.frame.y(self.y.fraction(y)))
     }
 
     fn holds(&self, (x, y): (f64, f64)) -> bool {
-        let inside =
-            |v: f64, lo: i32, hi: i32| v >= f64::from(lo) - 0.5 && v <= f64::from(hi) + 0.5;
+        let inside = |v: f64, lo: i32, hi: i32| v >= f64::from(lo) - 0.5 && v <= f64::from(hi) + 0.5;
         inside(x, self.frame.left, self.frame.right) && inside(y, self.frame.top, self.frame.bottom)
     }
 
     fn clipped(&self, line: &[(f64, f64)]) -> Vec<clip::Line> {
         let lo = (f64::from(self.frame.left), f64::from(self.frame.top));
-        clip::polyline(
-            line,
-            lo,
-            (f64::from(self.frame.right), f64::from(self.frame.bottom)),
-        )
+        clip::polyline(line, lo, (f64::from(self.frame.right), f64::from(self.frame.bottom)))
     }
 
     fn column(&self, x: f64) -> i32 {
@@ -44,17 +36,9 @@ impl Place {
 
     /// A shaded range of x.
     pub fn band(&self, canvas: &mut Canvas, band: &Band, colour: Rgb) {
-        let (from, to) = (
-            self.column(band.from.min(band.to)),
-            self.column(band.from.max(band.to)),
-        );
+        let (from, to) = (self.column(band.from.min(band.to)), self.column(band.from.max(band.to)));
         if from < to {
-            canvas.tint(
-                (from, self.frame.top),
-                (to, self.frame.bottom),
-                colour,
-                0.25,
-            );
+            canvas.tint((from, self.frame.top), (to, self.frame.bottom), colour, 0.25);
         }
     }
 
@@ -62,11 +46,7 @@ impl Place {
     pub fn bar(&self, canvas: &mut Canvas, bar: &Bar) {
         let row = |v: f64| self.frame.y(self.y.fraction(v).clamp(0.0, 1.0)).round() as i32;
         // On a logarithmic axis zero lies below the frame.
-        let zero = if self.y.fraction(0.0).is_finite() {
-            row(0.0)
-        } else {
-            self.frame.bottom
-        };
+        let zero = if self.y.fraction(0.0).is_finite() { row(0.0) } else { self.frame.bottom };
         let (from, to) = (self.column(bar.from), self.column(bar.to));
         let (top, bottom) = (row(bar.height).min(zero), row(bar.height).max(zero));
         if from < to && top < bottom {
@@ -92,11 +72,7 @@ impl Place {
         let x = f64::from(self.frame.right) + 12.0;
         let room = f64::from(canvas.width()) - x - 6.0;
         for (y, label) in spread_out(labels, TICK + 4.0) {
-            canvas.text(
-                &fitted(label, TICK, room),
-                (x, y + 0.36 * TICK),
-                TextStyle::new(TICK, Align::Left),
-            );
+            canvas.text(&fitted(label, TICK, room), (x, y + 0.36 * TICK), TextStyle::new(TICK, Align::Left));
         }
     }
 
@@ -107,17 +83,8 @@ impl Place {
             let end = (x - 8.0, f64::from(self.frame.top) + 12.0);
             let length = font::width(&marker.label, TICK);
             let patch = ((end.0 - 0.85 * TICK) as i32, (end.1 - 6.0) as i32);
-            canvas.tint(
-                patch,
-                ((end.0 + 5.0) as i32, (end.1 + length + 6.0) as i32),
-                WHITE,
-                0.85,
-            );
-            canvas.text(
-                &marker.label,
-                end,
-                TextStyle::new(TICK, Align::Right).turned(90.0),
-            );
+            canvas.tint(patch, ((end.0 + 5.0) as i32, (end.1 + length + 6.0) as i32), WHITE, 0.85);
+            canvas.text(&marker.label, end, TextStyle::new(TICK, Align::Right).turned(90.0));
         }
     }
 
@@ -128,36 +95,20 @@ impl Place {
             self.error_bar(canvas, (*point, *low, *high), colour);
         }
         if curve.style != Style::Points {
-            let line = if curve.style == Style::Step {
-                staircase(&points)
-            } else {
-                points.clone()
-            };
+            let line = if curve.style == Style::Step { staircase(&points) } else { points.clone() };
             let dash = curve.dashed.then_some((14.0, 9.0));
-            self.clipped(&clip::thin(line))
-                .iter()
-                .for_each(|part| canvas.line(part, 3.0, colour, dash));
+            self.clipped(&clip::thin(line)).iter().for_each(|part| canvas.line(part, 3.0, colour, dash));
         }
         if matches!(curve.style, Style::Points | Style::LinePoints) || points.len() == 1 {
-            points
-                .iter()
-                .filter(|p| self.holds(**p))
-                .for_each(|p| canvas.disc(*p, 6.0, colour));
+            points.iter().filter(|p| self.holds(**p)).for_each(|p| canvas.disc(*p, 6.0, colour));
         }
     }
 
-    fn error_bar(
-        &self,
-        canvas: &mut Canvas,
-        ((x, _), low, high): ((f64, f64), f64, f64),
-        colour: Rgb,
-    ) {
+    fn error_bar(&self, canvas: &mut Canvas, ((x, _), low, high): ((f64, f64), f64, f64), colour: Rgb) {
         let (a, b) = (self.at((x, low)), self.at((x, high)));
         let wing = |p: (f64, f64)| [(p.0 - 9.0, p.1), (p.0 + 9.0, p.1)];
         for line in [[a, b], wing(a), wing(b)] {
-            self.clipped(&line)
-                .iter()
-                .for_each(|part| canvas.line(part, 2.0, colour, None));
+            self.clipped(&line).iter().for_each(|part| canvas.line(part, 2.0, colour, None));
         }
     }
 }

@@ -12,11 +12,7 @@ pub struct Raster {
 
 impl Raster {
     pub fn new(width: usize, height: usize) -> Raster {
-        Raster {
-            width,
-            height,
-            cells: vec![None; width * height],
-        }
+        Raster { width, height, cells: vec![None; width * height] }
     }
 
     /// Fills a square, its edges moved to the nearest pixel edge, so that squares with a common
@@ -58,11 +54,7 @@ impl Raster {
         let at = |y: usize| y * self.width + x;
         let (first, second) = (self.cells[at(above)], self.cells[at(below)]);
         for y in above + 1..below {
-            self.cells[y * self.width + x] = if 2 * y <= above + below {
-                first
-            } else {
-                second
-            };
+            self.cells[y * self.width + x] = if 2 * y <= above + below { first } else { second };
         }
     }
 

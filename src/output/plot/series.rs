@@ -72,12 +72,7 @@ pub struct Curve {
 impl Curve {
     /// A curve in a style.
     pub fn new(name: impl Into<String>, style: Style, points: Vec<(f64, f64)>) -> Curve {
-        Curve {
-            name: name.into(),
-            points,
-            style,
-            ..Curve::default()
-        }
+        Curve { name: name.into(), points, style, ..Curve::default() }
     }
 }
 
@@ -129,10 +124,8 @@ pub(super) fn draw(plot: &SeriesPlot) -> io::Result<Canvas> {
     let top = if plot.title.is_some() { 58 } else { 14 } + rows.height() + 8;
     let y = y_axis.ticks(((canvas.height() - top - BELOW) / 70).clamp(2, 10) as usize);
     let labelled = plot.markers.iter().filter(|m| !m.vertical);
-    let margin = labelled
-        .map(|m| font::width(&m.label, TICK))
-        .fold(16.0, f64::max)
-        .min(0.3 * f64::from(canvas.width()));
+    let margin =
+        labelled.map(|m| font::width(&m.label, TICK)).fold(16.0, f64::max).min(0.3 * f64::from(canvas.width()));
     let frame = Frame {
         left: left_margin(&y) + 6,
         top,
@@ -142,72 +135,34 @@ pub(super) fn draw(plot: &SeriesPlot) -> io::Result<Canvas> {
     let x = x_axis.ticks((frame.width() / 130).max(2) as usize);
     if let Some(title) = &plot.title {
         let title = fitted(title, TITLE, f64::from(canvas.width()) - 40.0);
-        canvas.text(
-            &title,
-            (frame.x(0.5), 42.0),
-            TextStyle::new(TITLE, Align::Centre),
-        );
+        canvas.text(&title, (frame.x(0.5), 42.0), TextStyle::new(TITLE, Align::Centre));
     }
     rows.draw(&mut canvas, frame.x(0.5), top - 8 - rows.height());
-    let axes = Axes {
-        x: &x,
-        y: &y,
-        x_axis,
-        y_axis,
-        x_label: &plot.x.label,
-        y_label: &plot.y.label,
-        x_numbers: true,
-    };
-    let place = Place {
-        frame,
-        x: x_axis,
-        y: y_axis,
-    };
-    plot.bands
-        .iter()
-        .zip(0..)
-        .for_each(|(band, k)| place.band(&mut canvas, band, band_colour(k)));
+    let axes = Axes { x: &x, y: &y, x_axis, y_axis, x_label: &plot.x.label, y_label: &plot.y.label, x_numbers: true };
+    let place = Place { frame, x: x_axis, y: y_axis };
+    plot.bands.iter().zip(0..).for_each(|(band, k)| place.band(&mut canvas, band, band_colour(k)));
     axes.draw_grid(&mut canvas, frame);
     plot.bars.iter().for_each(|bar| place.bar(&mut canvas, bar));
     place.markers(&mut canvas, &plot.markers);
-    plot.curves
-        .iter()
-        .zip(0..)
-        .for_each(|(curve, k)| place.curve(&mut canvas, curve, colour(curve, k)));
+    plot.curves.iter().zip(0..).for_each(|(curve, k)| place.curve(&mut canvas, curve, colour(curve, k)));
     axes.draw(&mut canvas, frame);
     Ok(canvas)
 }
 
 fn x_axis(plot: &SeriesPlot) -> Axis {
-    let scattered = plot
-        .curves
-        .iter()
-        .any(|c| matches!(c.style, Style::Points | Style::LinePoints));
-    let points = plot
-        .curves
-        .iter()
-        .flat_map(|c| c.points.iter().map(|p| p.0));
+    let scattered = plot.curves.iter().any(|c| matches!(c.style, Style::Points | Style::LinePoints));
+    let points = plot.curves.iter().flat_map(|c| c.points.iter().map(|p| p.0));
     let bars = plot.bars.iter().flat_map(|b| [b.from, b.to]);
     let markers = plot.markers.iter().filter(|m| m.vertical).map(|m| m.value);
-    plot.x.fit(
-        points.chain(bars).chain(markers),
-        if scattered { 0.04 } else { 0.0 },
-    )
+    plot.x.fit(points.chain(bars).chain(markers), if scattered { 0.04 } else { 0.0 })
 }
 
 fn y_axis(plot: &SeriesPlot) -> Axis {
-    let points = plot
-        .curves
-        .iter()
-        .flat_map(|c| c.points.iter().map(|p| p.1));
-    let spread = plot
-        .curves
-        .iter()
-        .flat_map(|c| c.spread.iter().flat_map(|s| [s.0, s.1]));
+    let points = plot.curves.iter().flat_map(|c| c.points.iter().map(|p| p.1));
+    let spread = plot.curves.iter().flat_map(|c| c.spread.iter().flat_map(|s| [s.0, s.1]));
     let bars = plot.bars.iter().flat_map(|b| [0.0, b.height]);
     let markers = plot.markers.iter().filter(|m| !m.vertical).map(|m| m.value);
-    plot.y
-        .fit(points.chain(spread).chain(bars).chain(markers), 0.05)
+    plot.y.fit(points.chain(spread).chain(bars).chain(markers), 0.05)
 }
 
 fn legend(plot: &SeriesPlot) -> Vec<Entry> {
@@ -217,21 +172,14 @@ fn legend(plot: &SeriesPlot) -> Vec<Entry> {
             _ if curve.dashed => Symbol::Dashes,
             _ => Symbol::Line,
         };
-        Entry {
-            name: curve.name.clone(),
-            symbol,
-            colour: colour(curve, k),
-        }
+        Entry { name: curve.name.clone(), symbol, colour: colour(curve, k) }
     });
     let bands = plot.bands.iter().zip(0..).map(|(band, k)| Entry {
         name: band.label.clone(),
         symbol: Symbol::Pale,
         colour: band_colour(k),
     });
-    curves
-        .chain(bands)
-        .filter(|entry| !entry.name.is_empty())
-        .collect()
+    curves.chain(bands).filter(|entry| !entry.name.is_empty()).collect()
 }
 
 fn colour(curve: &Curve, k: usize) -> Rgb {

@@ -38,17 +38,11 @@ fn gauss(nx: usize, ny: usize, h: f64) -> Vec<[f64; 2]> {
             .flat_map(move |i| [-1.0, 1.0].map(|s| h * (2.0 * i as f64 + 1.0 + s / 3.0_f64.sqrt())))
             .collect::<Vec<_>>()
     };
-    line(ny)
-        .iter()
-        .flat_map(|y| line(nx).into_iter().map(|x| [x, *y]))
-        .collect()
+    line(ny).iter().flat_map(|y| line(nx).into_iter().map(|x| [x, *y])).collect()
 }
 
 fn options(kind: FieldKind) -> FieldOptions {
-    FieldOptions {
-        kind,
-        ..FieldOptions::default()
-    }
+    FieldOptions { kind, ..FieldOptions::default() }
 }
 
 /// Extent of the pixels that satisfy a test, with their count: (x0, y0, x1, y1, count).
@@ -66,42 +60,21 @@ fn extent(canvas: &Canvas, test: impl Fn(Rgb) -> bool) -> (i32, i32, i32, i32, i
 fn lightness(c: Rgb) -> f64 {
     let linear = |x: u8| {
         let x = f64::from(x) / 255.0;
-        if x <= 0.04045 {
-            x / 12.92
-        } else {
-            ((x + 0.055) / 1.055).powf(2.4)
-        }
+        if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
     };
     let y = 0.2126 * linear(c.0) + 0.7152 * linear(c.1) + 0.0722 * linear(c.2);
-    if y > 0.008856 {
-        116.0 * y.cbrt() - 16.0
-    } else {
-        903.3 * y
-    }
+    if y > 0.008856 { 116.0 * y.cbrt() - 16.0 } else { 903.3 * y }
 }
 
 #[test]
 fn ticks_are_round_and_inside() {
-    assert_eq!(
-        ticks::linear(0.0, 10.0, 5),
-        (vec![0.0, 2.0, 4.0, 6.0, 8.0, 10.0], 2.0)
-    );
+    assert_eq!(ticks::linear(0.0, 10.0, 5), (vec![0.0, 2.0, 4.0, 6.0, 8.0, 10.0], 2.0));
     assert_eq!(ticks::nice_step(0.32, 5), 0.1);
-    for (lo, hi) in [
-        (0.0, 1.0),
-        (-3e-9, 2e-9),
-        (0.99, 1.01),
-        (-7e12, 3e13),
-        (1e6, 1e6 + 1.0),
-    ] {
+    for (lo, hi) in [(0.0, 1.0), (-3e-9, 2e-9), (0.99, 1.01), (-7e12, 3e13), (1e6, 1e6 + 1.0)] {
         for target in [2, 5, 10] {
             let (values, step) = ticks::linear(lo, hi, target);
             assert!(values.len() <= target + 1, "{lo} {hi} {target}: {values:?}");
-            assert!(
-                values
-                    .iter()
-                    .all(|v| *v >= lo - 1e-5 * step && *v <= hi + 1e-5 * step)
-            );
+            assert!(values.iter().all(|v| *v >= lo - 1e-5 * step && *v <= hi + 1e-5 * step));
             let labels = ticks::labels(&values, step);
             let mut distinct = labels.clone();
             distinct.dedup();
@@ -116,46 +89,22 @@ fn numbers_are_written_as_a_reader_expects() {
     assert_eq!(label(&[-0.2, 0.0, 0.2], 0.2), "\u{2212}0.2 0.0 0.2");
     assert_eq!(label(&[0.0, 2e7], 2e7), "0 2×10⁷");
     assert_eq!(label(&[1.5e-5, 2e-5], 5e-6), "1.5×10⁻⁵ 2.0×10⁻⁵");
-    assert_eq!(
-        (ticks::number(5.80), ticks::number(-0.0)),
-        ("5.8".into(), "0".into())
-    );
+    assert_eq!((ticks::number(5.80), ticks::number(-0.0)), ("5.8".into(), "0".into()));
     assert_eq!(ticks::log_labels(&[1e-4, 1.0]).join(" "), "10⁻⁴ 10⁰");
     assert_eq!(ticks::log_labels(&[0.001, 20.0]).join(" "), "0.001 20");
-    assert_eq!(
-        ticks::logarithmic(0.5, 2e3, 10),
-        vec![1.0, 10.0, 100.0, 1000.0]
-    );
+    assert_eq!(ticks::logarithmic(0.5, 2e3, 10), vec![1.0, 10.0, 100.0, 1000.0]);
     assert_eq!(ticks::logarithmic(1.0, 12.0, 5), vec![1.0, 2.0, 5.0, 10.0]);
 }
 
 #[test]
 fn any_range_can_be_drawn() {
-    let ends = [
-        f64::NAN,
-        f64::NEG_INFINITY,
-        f64::MIN,
-        -1.0,
-        0.0,
-        5e-324,
-        1.0,
-        1.0 + 1e-15,
-        f64::MAX,
-        f64::INFINITY,
-    ];
+    let ends = [f64::NAN, f64::NEG_INFINITY, f64::MIN, -1.0, 0.0, 5e-324, 1.0, 1.0 + 1e-15, f64::MAX, f64::INFINITY];
     for lo in ends {
         for hi in ends {
             for scale in [Scale::Linear, Scale::Log] {
                 let axis = Axis::new(lo, hi, scale);
-                assert!(
-                    axis.lo < axis.hi && (axis.hi - axis.lo).is_finite(),
-                    "{lo} {hi}"
-                );
-                assert_eq!(
-                    (axis.fraction(axis.lo), axis.fraction(axis.hi)),
-                    (0.0, 1.0),
-                    "{lo} {hi}"
-                );
+                assert!(axis.lo < axis.hi && (axis.hi - axis.lo).is_finite(), "{lo} {hi}");
+                assert_eq!((axis.fraction(axis.lo), axis.fraction(axis.hi)), (0.0, 1.0), "{lo} {hi}");
                 assert!(axis.ticks(6).len() <= 40);
             }
         }
@@ -164,28 +113,16 @@ fn any_range_can_be_drawn() {
 
 #[test]
 fn lightness_of_the_maps_is_monotone() {
-    let l = |map: ColourMap| {
-        (0..=255)
-            .map(|i| lightness(map.at(f64::from(i) / 255.0)))
-            .collect::<Vec<_>>()
-    };
+    let l = |map: ColourMap| (0..=255).map(|i| lightness(map.at(f64::from(i) / 255.0))).collect::<Vec<_>>();
     let rising = |v: &[f64]| v.windows(2).all(|w| w[1] > w[0] - 0.35);
     let sequential = l(ColourMap::Sequential);
     assert!(rising(&sequential));
-    assert!(
-        sequential[0] < 25.0 && sequential[255] > 85.0,
-        "{} {}",
-        sequential[0],
-        sequential[255]
-    );
+    assert!(sequential[0] < 25.0 && sequential[255] > 85.0, "{} {}", sequential[0], sequential[255]);
     let diverging = l(ColourMap::Diverging);
     let falling: Vec<f64> = diverging[128..].iter().rev().copied().collect();
     assert!(rising(&diverging[..128]) && rising(&falling));
     let (weak, strong) = (ColourMap::Diverging.at(-1.0), ColourMap::Diverging.at(2.0));
-    assert!(
-        weak.2 > 2 * weak.0 && strong.0 > 2 * strong.2,
-        "blue is weak, red is strong"
-    );
+    assert!(weak.2 > 2 * weak.0 && strong.0 > 2 * strong.2, "blue is weak, red is strong");
     assert_eq!(ColourMap::Sequential.at(f64::NAN), NO_VALUE);
 }
 
@@ -195,47 +132,26 @@ fn a_block_has_no_seam_and_its_true_size() {
     // Gauss points leave gaps of 0.155 sides inside a cell; odd widths make pixels fall unevenly.
     for (h, width) in [(0.125, 1600), (0.125, 1237), (0.03, 911), (0.0625, 1600)] {
         let s = body(&gauss(20, 10, h), h);
-        let view = View {
-            min: [-0.7 * h, -0.3 * h],
-            max: [41.0 * h, 21.0 * h],
-        };
-        let o = FieldOptions {
-            width,
-            view: Some(view),
-            ..options(FieldKind::Stage)
-        };
+        let view = View { min: [-0.7 * h, -0.3 * h], max: [41.0 * h, 21.0 * h] };
+        let o = FieldOptions { width, view: Some(view), ..options(FieldKind::Stage) };
         let canvas = field_mod::draw(&[&s], &o).unwrap();
         let frame_bottom = canvas.height() - 150;
         let inside = extent(&canvas, |c| c == colour);
         let (x1, y1) = (inside.2, inside.3.min(frame_bottom));
         // The legend's swatch is below; the block is the part above it.
         let top = inside.1;
-        let left = (0..canvas.width())
-            .find(|x| canvas.get(*x, top) == colour)
-            .unwrap();
-        let right = (0..canvas.width())
-            .rev()
-            .find(|x| canvas.get(*x, top) == colour)
-            .unwrap();
-        let bottom = (0..frame_bottom)
-            .rev()
-            .find(|y| canvas.get(left, *y) == colour)
-            .unwrap();
+        let left = (0..canvas.width()).find(|x| canvas.get(*x, top) == colour).unwrap();
+        let right = (0..canvas.width()).rev().find(|x| canvas.get(*x, top) == colour).unwrap();
+        let bottom = (0..frame_bottom).rev().find(|y| canvas.get(left, *y) == colour).unwrap();
         assert!(right <= x1 && bottom <= y1);
         for y in top..=bottom {
-            assert!(
-                (left..=right).all(|x| canvas.get(x, y) == colour),
-                "a seam in row {y}"
-            );
+            assert!((left..=right).all(|x| canvas.get(x, y) == colour), "a seam in row {y}");
         }
         // The outermost Gauss points stand 0.423 h from the edge and are half a side wide.
         let metres = 40.0 * h + 2.0 * h * (0.5 - (1.0 - 1.0 / 3.0_f64.sqrt()));
         let ratio = f64::from(right - left + 1) / f64::from(bottom - top + 1);
         let expected = metres / (metres - 20.0 * h);
-        assert!(
-            (ratio / expected - 1.0).abs() < 2.0 / f64::from(bottom - top),
-            "{ratio} {expected}"
-        );
+        assert!((ratio / expected - 1.0).abs() < 2.0 / f64::from(bottom - top), "{ratio} {expected}");
     }
 }
 
@@ -289,29 +205,15 @@ fn odd_snapshots_are_drawn() {
     odd.material[7] = u16::MAX;
     let far = body(&[[0.0, 0.0], [8e8, 0.0]], 1e-3);
     for kind in FieldKind::ALL {
-        for frames in [
-            vec![],
-            vec![&empty],
-            vec![&one],
-            vec![&odd, &empty, &one],
-            vec![&far],
-        ] {
+        for frames in [vec![], vec![&empty], vec![&one], vec![&odd, &empty, &one], vec![&far]] {
             field_mod::draw(&frames, &options(kind)).unwrap();
         }
     }
     assert!(field_mod::draw(&[&one; 65], &options(FieldKind::Stage)).is_err());
-    let bad = View {
-        min: [f64::NAN; 2],
-        max: [1.0; 2],
-    };
+    let bad = View { min: [f64::NAN; 2], max: [1.0; 2] };
     field_mod::draw(
         &[&one],
-        &FieldOptions {
-            view: Some(bad),
-            range: Some((f64::NAN, 1.0)),
-            width: 0,
-            ..options(FieldKind::Strength)
-        },
+        &FieldOptions { view: Some(bad), range: Some((f64::NAN, 1.0)), width: 0, ..options(FieldKind::Strength) },
     )
     .unwrap();
 }
@@ -321,11 +223,7 @@ fn two_million_points_take_seconds() {
     let s = body(&gauss(1000, 500, 0.01), 0.01);
     let start = Instant::now();
     field_mod::draw(&[&s], &options(FieldKind::PlasticStrain)).unwrap();
-    assert!(
-        start.elapsed().as_secs_f64() < 30.0,
-        "{:?}",
-        start.elapsed()
-    );
+    assert!(start.elapsed().as_secs_f64() < 30.0, "{:?}", start.elapsed());
 }
 
 #[test]
@@ -333,10 +231,7 @@ fn names_of_fields_are_read_back() {
     for kind in FieldKind::ALL {
         assert_eq!(FieldKind::parse(kind.name()), Some(kind));
     }
-    assert_eq!(
-        FieldKind::parse(" Plastic-Strain"),
-        Some(FieldKind::PlasticStrain)
-    );
+    assert_eq!(FieldKind::parse(" Plastic-Strain"), Some(FieldKind::PlasticStrain));
     assert_eq!(FieldKind::parse("pressure"), None);
     assert_eq!(FieldKind::names().count(), 10);
 }
@@ -344,8 +239,7 @@ fn names_of_fields_are_read_back() {
 #[test]
 fn the_automatic_range_leaves_out_the_tail() {
     let mut s = body(&gauss(20, 10, 0.5), 0.5);
-    (0..s.len())
-        .for_each(|i| s.plastic_strain[i] = if i == 7 { 50.0 } else { 0.3 * i as f64 / 800.0 });
+    (0..s.len()).for_each(|i| s.plastic_strain[i] = if i == 7 { 50.0 } else { 0.3 * i as f64 / 800.0 });
     let (lo, hi) = FieldKind::PlasticStrain.automatic_range(&[&s]);
     assert!(lo == 0.0 && (hi - 0.3).abs() < 1e-12);
     s.plastic_strain.fill(0.0);
@@ -357,36 +251,14 @@ fn the_automatic_range_leaves_out_the_tail() {
 #[test]
 fn lines_are_cut_at_the_frame() {
     let (lo, hi) = ((0.0, 0.0), (10.0, 10.0));
-    let parts = clip::polyline(
-        &[
-            (-5.0, 5.0),
-            (5.0, 5.0),
-            (5.0, 25.0),
-            (7.0, 25.0),
-            (7.0, 5.0),
-        ],
-        lo,
-        hi,
-    );
+    let parts = clip::polyline(&[(-5.0, 5.0), (5.0, 5.0), (5.0, 25.0), (7.0, 25.0), (7.0, 5.0)], lo, hi);
+    assert_eq!(parts, vec![vec![(0.0, 5.0), (5.0, 5.0), (5.0, 10.0)], vec![(7.0, 10.0), (7.0, 5.0)]]);
     assert_eq!(
-        parts,
-        vec![
-            vec![(0.0, 5.0), (5.0, 5.0), (5.0, 10.0)],
-            vec![(7.0, 10.0), (7.0, 5.0)]
-        ]
-    );
-    assert_eq!(
-        clip::polyline(
-            &[(1.0, 1.0), (f64::NAN, 2.0), (2.0, 2.0), (3.0, 3.0)],
-            lo,
-            hi
-        ),
+        clip::polyline(&[(1.0, 1.0), (f64::NAN, 2.0), (2.0, 2.0), (3.0, 3.0)], lo, hi),
         vec![vec![(2.0, 2.0), (3.0, 3.0)]]
     );
     assert!(clip::polyline(&[(-1e300, 20.0), (1e300, 20.0)], lo, hi).is_empty());
-    let wave: Vec<(f64, f64)> = (0..100_000)
-        .map(|i| (f64::from(i) / 100.0, f64::from(i).sin()))
-        .collect();
+    let wave: Vec<(f64, f64)> = (0..100_000).map(|i| (f64::from(i) / 100.0, f64::from(i).sin())).collect();
     let thin = clip::thin(wave.clone());
     let top = |v: &[(f64, f64)]| v.iter().map(|p| p.1).fold(0.0, f64::max);
     assert!(thin.len() <= 4000 && top(&thin) == top(&wave) && thin.last() == wave.last());
@@ -394,41 +266,15 @@ fn lines_are_cut_at_the_frame() {
 
 #[test]
 fn odd_series_are_drawn() {
-    let points = vec![
-        (0.0, f64::NAN),
-        (1.0, f64::INFINITY),
-        (2.0, -1e300),
-        (3.0, 1e300),
-        (f64::NAN, 0.0),
-        (-1.0, 0.0),
-    ];
+    let points = vec![(0.0, f64::NAN), (1.0, f64::INFINITY), (2.0, -1e300), (3.0, 1e300), (f64::NAN, 0.0), (-1.0, 0.0)];
     for style in [Style::Line, Style::Step, Style::Points, Style::LinePoints] {
         for axis in [AxisSpec::linear("x"), AxisSpec::log("x")] {
             let spread = points.iter().map(|p| (p.1 - 1.0, p.1 + 1.0)).collect();
-            let curve = Curve {
-                spread,
-                ..Curve::new("c", style, points.clone())
-            };
-            let marker = Marker {
-                value: f64::NAN,
-                label: "m".into(),
-                vertical: true,
-            };
-            let band = Band {
-                from: f64::NAN,
-                to: 1.0,
-                label: "b".into(),
-            };
-            let bar = Bar {
-                from: -1.0,
-                to: f64::INFINITY,
-                height: 1e308,
-            };
-            let curves = vec![
-                curve,
-                Curve::new("none", style, vec![]),
-                Curve::new("one", style, vec![(1.0, 1.0)]),
-            ];
+            let curve = Curve { spread, ..Curve::new("c", style, points.clone()) };
+            let marker = Marker { value: f64::NAN, label: "m".into(), vertical: true };
+            let band = Band { from: f64::NAN, to: 1.0, label: "b".into() };
+            let bar = Bar { from: -1.0, to: f64::INFINITY, height: 1e308 };
+            let curves = vec![curve, Curve::new("none", style, vec![]), Curve::new("one", style, vec![(1.0, 1.0)])];
             let plot = SeriesPlot {
                 x: axis.clone(),
                 y: axis,
@@ -449,19 +295,9 @@ fn odd_series_are_drawn() {
         values: vec![f64::NAN, 1e300],
         ..Interval::default()
     };
-    intervals_png(&IntervalPlot {
-        items: vec![item; 200],
-        ..IntervalPlot::default()
-    })
-    .unwrap();
+    intervals_png(&IntervalPlot { items: vec![item; 200], ..IntervalPlot::default() }).unwrap();
     intervals_png(&IntervalPlot::default()).unwrap();
-    assert!(
-        series_png(&SeriesPlot {
-            width: u32::MAX,
-            ..SeriesPlot::default()
-        })
-        .is_err()
-    );
+    assert!(series_png(&SeriesPlot { width: u32::MAX, ..SeriesPlot::default() }).is_err());
 }
 
 #[test]
@@ -470,23 +306,12 @@ fn text_has_width_and_every_sign_we_write() {
     assert!(font::width("m", 24.0) > font::width("i", 24.0));
     for sign in "θσεγμφτρ₀²³⁻⁷\u{2212}±·°×…≤≥√".chars() {
         assert!(font::outline(&sign.to_string(), 24.0).is_some(), "{sign}");
-        assert_ne!(
-            font::outline(&sign.to_string(), 24.0),
-            font::outline("?", 24.0),
-            "{sign}"
-        );
+        assert_ne!(font::outline(&sign.to_string(), 24.0), font::outline("?", 24.0), "{sign}");
     }
     assert!(font::width(&text::fitted(&"long ".repeat(10_000), 24.0, 300.0), 24.0) <= 300.0);
     assert_eq!(text::fitted("short", 24.0, 300.0), "short");
     let mut canvas = Canvas::new(60, 40).unwrap();
-    canvas.text(
-        "H",
-        (30.0, 30.0),
-        text::TextStyle::new(24.0, text::Align::Centre),
-    );
+    canvas.text("H", (30.0, 30.0), text::TextStyle::new(24.0, text::Align::Centre));
     let (x0, y0, x1, y1, _) = extent(&canvas, |c| c != WHITE);
-    assert!(
-        (x0 + x1 - 60).abs() <= 2 && (29..=30).contains(&y1) && y0 < 15,
-        "{x0} {y0} {x1} {y1}"
-    );
+    assert!((x0 + x1 - 60).abs() <= 2 && (29..=30).contains(&y1) && y0 < 15, "{x0} {y0} {x1} {y1}");
 }

@@ -29,12 +29,7 @@ pub struct TextStyle {
 
 impl TextStyle {
     pub fn new(size: f64, align: Align) -> Self {
-        TextStyle {
-            size,
-            align,
-            angle: 0.0,
-            colour: BLACK,
-        }
+        TextStyle { size, align, angle: 0.0, colour: BLACK }
     }
 
     pub fn turned(self, angle: f64) -> Self {

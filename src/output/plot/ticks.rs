@@ -10,11 +10,7 @@ pub fn nice_step(span: f64, target: usize) -> f64 {
         x if x <= 5.0 + 1e-9 => 5.0 * power,
         _ => 10.0 * power,
     };
-    if step.is_finite() && step > 0.0 {
-        step
-    } else {
-        span.max(f64::MIN_POSITIVE)
-    }
+    if step.is_finite() && step > 0.0 { step } else { span.max(f64::MIN_POSITIVE) }
 }
 
 /// Multiples of a nice step in `lo..=hi`, and the step.
@@ -23,12 +19,7 @@ pub fn linear(lo: f64, hi: f64, target: usize) -> (Vec<f64>, f64) {
     let first = (lo / step - 1e-6).ceil();
     let count = ((hi / step + 1e-6).floor() - first + 1.0).clamp(0.0, 100.0) as usize;
     // Adding 0 turns -0 into 0.
-    (
-        (0..count)
-            .map(|i| (first + i as f64) * step + 0.0)
-            .collect(),
-        step,
-    )
+    ((0..count).map(|i| (first + i as f64) * step + 0.0).collect(), step)
 }
 
 /// Powers of ten in `lo..=hi` (every n-th if there are many), with 2 and 5 times them where
@@ -41,15 +32,11 @@ pub fn logarithmic(lo: f64, hi: f64, target: usize) -> Vec<f64> {
         let every = count.div_ceil(target.max(2));
         return decades.step_by(every).map(|k| 10_f64.powi(k)).collect();
     }
-    let factors = if last - first < 0.5 {
-        &[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0][..]
-    } else {
-        &[1.0, 2.0, 5.0]
-    };
-    let all = (first.floor() as i32..=last.floor() as i32)
-        .flat_map(|k| factors.iter().map(move |f| f * 10_f64.powi(k)));
-    all.filter(|v| (first..=last).contains(&v.log10()))
-        .collect()
+    let factors =
+        if last - first < 0.5 { &[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0][..] } else { &[1.0, 2.0, 5.0] };
+    let all =
+        (first.floor() as i32..=last.floor() as i32).flat_map(|k| factors.iter().map(move |f| f * 10_f64.powi(k)));
+    all.filter(|v| (first..=last).contains(&v.log10())).collect()
 }
 
 /// 2, 3 .. 9 times the powers of ten in `lo..=hi`.
@@ -58,10 +45,9 @@ pub fn logarithmic_minor(lo: f64, hi: f64) -> Vec<f64> {
     if last - first > 12.0 {
         return Vec::new();
     }
-    let all = (first.floor() as i32..=last.floor() as i32)
-        .flat_map(|k| (2..10).map(move |f| f64::from(f) * 10_f64.powi(k)));
-    all.filter(|v| (first..=last).contains(&v.log10()))
-        .collect()
+    let all =
+        (first.floor() as i32..=last.floor() as i32).flat_map(|k| (2..10).map(move |f| f64::from(f) * 10_f64.powi(k)));
+    all.filter(|v| (first..=last).contains(&v.log10())).collect()
 }
 
 /// A range that can be drawn: finite, in order and wider than rounding.
@@ -92,11 +78,7 @@ pub fn sane_log_range(lo: f64, hi: f64) -> (f64, f64) {
         (false, false) => (1.0, 1.0),
     };
     let (lo, hi) = (lo.clamp(1e-140, 1e140), hi.clamp(1e-140, 1e140));
-    if hi / lo > 1.01 {
-        (lo, hi)
-    } else {
-        (lo / 2.0, hi * 2.0)
-    }
+    if hi / lo > 1.01 { (lo, hi) } else { (lo / 2.0, hi * 2.0) }
 }
 
 /// Labels of ticks that are `step` apart: as many decimals as the step needs, powers of ten for
@@ -107,31 +89,16 @@ pub fn labels(values: &[f64], step: f64) -> Vec<String> {
     let digits = (step.log10() + 1e-9).floor();
     if (-4.0..6.0).contains(&exponent) {
         let decimals = (-digits).clamp(0.0, 12.0) as usize;
-        return values
-            .iter()
-            .map(|v| minus(format!("{v:.decimals$}")))
-            .collect();
+        return values.iter().map(|v| minus(format!("{v:.decimals$}"))).collect();
     }
     let decimals = (exponent - digits).clamp(0.0, 9.0) as usize;
-    values
-        .iter()
-        .map(|v| {
-            if *v == 0.0 {
-                "0".into()
-            } else {
-                scientific(*v, exponent as i32, decimals)
-            }
-        })
-        .collect()
+    values.iter().map(|v| if *v == 0.0 { "0".into() } else { scientific(*v, exponent as i32, decimals) }).collect()
 }
 
 /// Labels of ticks on a logarithmic axis: powers of ten unless all numbers are short.
 pub fn log_labels(values: &[f64]) -> Vec<String> {
     let short = values.iter().all(|v| (0.999e-3..1e4).contains(v));
-    values
-        .iter()
-        .map(|v| if short { number(*v) } else { power(*v) })
-        .collect()
+    values.iter().map(|v| if short { number(*v) } else { power(*v) }).collect()
 }
 
 fn power(value: f64) -> String {
@@ -149,21 +116,13 @@ pub fn number(value: f64) -> String {
     if !value.is_finite() {
         return format!("{value}");
     }
-    let exponent = if value == 0.0 {
-        0.0
-    } else {
-        value.abs().log10().floor()
-    };
+    let exponent = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
     if !(-4.0..6.0).contains(&exponent) {
         return scientific(value, exponent as i32, 2);
     }
     let decimals = (2.0 - exponent).clamp(0.0, 8.0) as usize;
     let text = format!("{value:.decimals$}");
-    let short = if text.contains('.') {
-        text.trim_end_matches('0').trim_end_matches('.')
-    } else {
-        &text
-    };
+    let short = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
     minus(short.to_owned())
 }
 
@@ -183,9 +142,5 @@ fn superscript(number: i32) -> String {
 /// With the true minus sign; "-0.0" loses it.
 fn minus(text: String) -> String {
     let negative = text.starts_with('-') && text.chars().any(|c| ('1'..='9').contains(&c));
-    if negative {
-        text.replacen('-', "\u{2212}", 1)
-    } else {
-        text.trim_start_matches('-').to_owned()
-    }
+    if negative { text.replacen('-', "\u{2212}", 1) } else { text.trim_start_matches('-').to_owned() }
 }

@@ -13,17 +13,11 @@ use crate::output::atomic;
 pub fn write_pvd(path: &Path, frames: &[(f64, String)]) -> io::Result<()> {
     atomic::write(path, |out| {
         writeln!(out, "<?xml version=\"1.0\"?>")?;
-        writeln!(
-            out,
-            "<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">"
-        )?;
+        writeln!(out, "<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">")?;
         writeln!(out, "  <Collection>")?;
         for (time, file) in frames {
             let file = escape(file);
-            writeln!(
-                out,
-                "    <DataSet timestep=\"{time:?}\" group=\"\" part=\"0\" file=\"{file}\"/>"
-            )?;
+            writeln!(out, "    <DataSet timestep=\"{time:?}\" group=\"\" part=\"0\" file=\"{file}\"/>")?;
         }
         writeln!(out, "  </Collection>\n</VTKFile>")
     })
@@ -35,10 +29,7 @@ pub fn write_pvd(path: &Path, frames: &[(f64, String)]) -> io::Result<()> {
 /// `InvalidData` if an entry has no time or file; those of the file system.
 pub fn read_pvd(path: &Path) -> io::Result<Vec<(f64, String)>> {
     let text = fs::read_to_string(path)?;
-    let tags = text
-        .split("<DataSet ")
-        .skip(1)
-        .filter_map(|rest| rest.split("/>").next());
+    let tags = text.split("<DataSet ").skip(1).filter_map(|rest| rest.split("/>").next());
     let bad = |tag: &str| {
         let text = format!("{}: no time and file in '{tag}'", path.display());
         io::Error::new(io::ErrorKind::InvalidData, text)
@@ -52,22 +43,13 @@ fn entry(tag: &str) -> Option<(f64, String)> {
 }
 
 fn value<'a>(tag: &'a str, key: &str) -> Option<&'a str> {
-    tag.split_once(key)?
-        .1
-        .split_once('"')
-        .map(|(value, _)| value)
+    tag.split_once(key)?.1.split_once('"').map(|(value, _)| value)
 }
 
 fn escape(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 fn unescape(text: &str) -> String {
-    text.replace("&quot;", "\"")
-        .replace("&gt;", ">")
-        .replace("&lt;", "<")
-        .replace("&amp;", "&")
+    text.replace("&quot;", "\"").replace("&gt;", ">").replace("&lt;", "<").replace("&amp;", "&")
 }

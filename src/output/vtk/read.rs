@@ -20,16 +20,8 @@ pub fn read_vtp(path: &Path) -> io::Result<Snapshot> {
 fn read(path: &Path) -> io::Result<Snapshot> {
     let mut frame = Frame::open(path)?;
     Ok(Snapshot {
-        time: frame
-            .reals("TimeValue")?
-            .first()
-            .copied()
-            .unwrap_or(f64::NAN),
-        step: frame
-            .tuples("step", u64::from_le_bytes)?
-            .first()
-            .copied()
-            .unwrap_or(0),
+        time: frame.reals("TimeValue")?.first().copied().unwrap_or(f64::NAN),
+        step: frame.tuples("step", u64::from_le_bytes)?.first().copied().unwrap_or(0),
         position: frame.planes("Points")?,
         reference: frame.planes("reference")?,
         velocity: frame.planes("velocity")?,
@@ -62,23 +54,13 @@ impl Frame {
         let length = file.metadata()?.len();
         let header = read_header(&mut file)?;
         let data = header.len() as u64;
-        let kinds = [
-            "type=\"PolyData\"",
-            "byte_order=\"LittleEndian\"",
-            "header_type=\"UInt64\"",
-        ];
+        let kinds = ["type=\"PolyData\"", "byte_order=\"LittleEndian\"", "header_type=\"UInt64\""];
         if let Some(kind) = kinds.iter().find(|kind| !header.contains(**kind)) {
             return Err(damaged(format!("not a frame of rmpm: no {kind}")));
         }
         let piece = element(&header, "<Piece ", "NumberOfPoints=\"").unwrap_or("");
         let points = number(piece, "NumberOfPoints")?;
-        Ok(Frame {
-            file,
-            length,
-            header,
-            data,
-            points,
-        })
+        Ok(Frame { file, length, header, data, points })
     }
 
     /// The raw bytes of an array, after its type and length have been checked.
@@ -86,24 +68,15 @@ impl Frame {
         let column = COLUMNS.iter().find(|c| c.name == name);
         let column = column.ok_or_else(|| damaged(format!("no array is named '{name}'")))?;
         let start = self.start(column)?;
-        let room = self
-            .length
-            .checked_sub(start)
-            .and_then(|left| left.checked_sub(8));
-        let room =
-            room.ok_or_else(|| damaged(format!("'{name}' starts behind the end of the file")))?;
+        let room = self.length.checked_sub(start).and_then(|left| left.checked_sub(8));
+        let room = room.ok_or_else(|| damaged(format!("'{name}' starts behind the end of the file")))?;
         self.file.seek(SeekFrom::Start(start))?;
         let mut stated = [0; 8];
         self.file.read_exact(&mut stated)?;
         let stated = u64::from_le_bytes(stated);
-        let expected = column
-            .tuples(self.points)
-            .checked_mul(column.components * column.bytes);
+        let expected = column.tuples(self.points).checked_mul(column.components * column.bytes);
         if expected != Some(stated) || stated > room {
-            let text = format!(
-                "'{name}' has {stated} bytes for {} points, {room} are left in the file",
-                self.points
-            );
+            let text = format!("'{name}' has {stated} bytes for {} points, {room} are left in the file", self.points);
             return Err(damaged(text));
         }
         let mut bytes = vec![0; stated as usize];
@@ -120,23 +93,12 @@ impl Frame {
             && attribute(tag, "format") == Some("appended")
             && number(tag, "NumberOfComponents")? == column.components;
         let start = self.data.checked_add(number(tag, "offset")?);
-        start
-            .filter(|_| same)
-            .ok_or_else(|| damaged(format!("the array '{}' is of another make", column.name)))
+        start.filter(|_| same).ok_or_else(|| damaged(format!("the array '{}' is of another make", column.name)))
     }
 
-    fn tuples<const N: usize, T>(
-        &mut self,
-        name: &str,
-        parse: fn([u8; N]) -> T,
-    ) -> io::Result<Vec<T>> {
+    fn tuples<const N: usize, T>(&mut self, name: &str, parse: fn([u8; N]) -> T) -> io::Result<Vec<T>> {
         let (_, bytes) = self.bytes(name)?;
-        Ok(bytes
-            .as_chunks::<N>()
-            .0
-            .iter()
-            .map(|chunk| parse(*chunk))
-            .collect())
+        Ok(bytes.as_chunks::<N>().0.iter().map(|chunk| parse(*chunk)).collect())
     }
 
     fn reals(&mut self, name: &str) -> io::Result<Vec<f64>> {
@@ -146,22 +108,12 @@ impl Frame {
     /// The x and y of 3-vectors.
     fn planes(&mut self, name: &str) -> io::Result<Vec<[f64; 2]>> {
         let reals = self.reals(name)?;
-        Ok(reals
-            .as_chunks::<3>()
-            .0
-            .iter()
-            .map(|v| [v[0], v[1]])
-            .collect())
+        Ok(reals.as_chunks::<3>().0.iter().map(|v| [v[0], v[1]]).collect())
     }
 
     fn stresses(&mut self) -> io::Result<Vec<Voigt>> {
         let reals = self.reals("stress")?;
-        let voigt = |v: &[f64; 4]| Voigt {
-            xx: v[0],
-            yy: v[1],
-            zz: v[2],
-            xy: v[3],
-        };
+        let voigt = |v: &[f64; 4]| Voigt { xx: v[0], yy: v[1], zz: v[2], xy: v[3] };
         Ok(reals.as_chunks::<4>().0.iter().map(voigt).collect())
     }
 
@@ -186,16 +138,8 @@ fn read_header(file: &mut File) -> io::Result<String> {
     const MARK: &[u8] = b"<AppendedData encoding=\"raw\">";
     let mut bytes = Vec::new();
     file.by_ref().take(MOST).read_to_end(&mut bytes)?;
-    let end = bytes
-        .windows(MARK.len())
-        .position(|w| w == MARK)
-        .map(|at| at + MARK.len());
-    let end = end.and_then(|at| {
-        bytes[at..]
-            .iter()
-            .position(|b| *b == b'_')
-            .map(|k| at + k + 1)
-    });
+    let end = bytes.windows(MARK.len()).position(|w| w == MARK).map(|at| at + MARK.len());
+    let end = end.and_then(|at| bytes[at..].iter().position(|b| *b == b'_').map(|k| at + k + 1));
     let end = end.ok_or_else(|| damaged("not a frame of rmpm: no appended raw data".into()))?;
     bytes.truncate(end);
     String::from_utf8(bytes).map_err(|_| damaged("the header is not text".into()))
@@ -203,29 +147,21 @@ fn read_header(file: &mut File) -> io::Result<String> {
 
 /// The first tag that starts with `open` and holds `part`.
 fn element<'a>(header: &'a str, open: &str, part: &str) -> Option<&'a str> {
-    header
-        .split(open)
-        .skip(1)
-        .filter_map(|rest| rest.split('>').next())
-        .find(|tag| {
-            // Attributes are compared with their leading blank, which the first one has lost.
-            tag.contains(part) || tag.starts_with(part.trim_start())
-        })
+    header.split(open).skip(1).filter_map(|rest| rest.split('>').next()).find(|tag| {
+        // Attributes are compared with their leading blank, which the first one has lost.
+        tag.contains(part) || tag.starts_with(part.trim_start())
+    })
 }
 
 fn attribute<'a>(tag: &'a str, name: &str) -> Option<&'a str> {
     let key = format!("{name}=\"");
-    let at = tag
-        .match_indices(&key)
-        .find(|(at, _)| *at == 0 || tag.as_bytes()[at - 1] == b' ')?
-        .0;
+    let at = tag.match_indices(&key).find(|(at, _)| *at == 0 || tag.as_bytes()[at - 1] == b' ')?.0;
     tag[at + key.len()..].split('"').next()
 }
 
 fn number(tag: &str, name: &str) -> io::Result<u64> {
     let text = attribute(tag, name).ok_or_else(|| damaged(format!("no {name} in the header")))?;
-    text.parse()
-        .map_err(|_| damaged(format!("{name} = '{text}' is no count")))
+    text.parse().map_err(|_| damaged(format!("{name} = '{text}' is no count")))
 }
 
 fn damaged(text: String) -> io::Error {

@@ -30,19 +30,10 @@ fn header(points: u64) -> String {
     xml += "  <PolyData>\n";
     let mut offset = 0;
     section(&mut xml, Section::Field, "FieldData", points, &mut offset);
-    let _ = writeln!(
-        xml,
-        "    <Piece NumberOfPoints=\"{points}\" NumberOfVerts=\"{points}\">"
-    );
+    let _ = writeln!(xml, "    <Piece NumberOfPoints=\"{points}\" NumberOfVerts=\"{points}\">");
     section(&mut xml, Section::Points, "Points", points, &mut offset);
     section(&mut xml, Section::Verts, "Verts", points, &mut offset);
-    section(
-        &mut xml,
-        Section::PointData,
-        "PointData",
-        points,
-        &mut offset,
-    );
+    section(&mut xml, Section::PointData, "PointData", points, &mut offset);
     xml += "    </Piece>\n  </PolyData>\n  <AppendedData encoding=\"raw\">\n   _";
     xml
 }
@@ -51,11 +42,7 @@ fn header(points: u64) -> String {
 fn section(xml: &mut String, part: Section, tag: &str, points: u64, offset: &mut u64) {
     let _ = writeln!(xml, "      <{tag}>");
     for column in COLUMNS.iter().filter(|c| c.section == part) {
-        let _ = write!(
-            xml,
-            "        <DataArray type=\"{}\" Name=\"{}\"",
-            column.number, column.name
-        );
+        let _ = write!(xml, "        <DataArray type=\"{}\" Name=\"{}\"", column.number, column.name);
         let _ = write!(xml, " NumberOfComponents=\"{}\"", column.components);
         for (k, name) in column.component_names.iter().enumerate() {
             let _ = write!(xml, " ComponentName{k}=\"{name}\"");
@@ -107,11 +94,7 @@ fn check_lengths(s: &Snapshot) -> io::Result<()> {
         None => Ok(()),
         Some((name, length)) => Err(io::Error::new(
             io::ErrorKind::InvalidInput,
-            format!(
-                "snapshot at step {}: {} positions but {length} entries of {name}",
-                s.step,
-                s.len()
-            ),
+            format!("snapshot at step {}: {} positions but {length} entries of {name}", s.step, s.len()),
         )),
     }
 }

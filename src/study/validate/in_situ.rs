@@ -86,7 +86,8 @@ impl InSitu {
         let share = reference.given("share")?;
         Column::read(&run, reference, &before, &after, share)?.rows("half gravity on the ramp", reference, report)?;
         let quiet = reference.given("quiet")?;
-        let yielded = (0..after.len()).filter(|&i| before.position[i][0] < quiet && after.plastic_strain[i] > 0.0).count();
+        let yielded =
+            (0..after.len()).filter(|&i| before.position[i][0] < quiet && after.plastic_strain[i] > 0.0).count();
         report.row(reference, "yielded", yielded as f64)
     }
 }

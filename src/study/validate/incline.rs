@@ -42,7 +42,10 @@ impl Problem for Incline {
 impl Incline {
     fn tilted(&self, h: f64, tangent: f64) -> Result<Block, String> {
         let tilt = tangent.atan().to_degrees();
-        let run = Run::new(self.files().case, &keys(&[("grid.cell", format!("{h:?}")), ("gravity.tilt", format!("{tilt:?}"))]))?;
+        let run = Run::new(
+            self.files().case,
+            &keys(&[("grid.cell", format!("{h:?}")), ("gravity.tilt", format!("{tilt:?}"))]),
+        )?;
         Block::new(run)
     }
 
@@ -60,7 +63,8 @@ impl Incline {
 
     /// A block on the level, never damped, for five times the ramp.
     fn rest(&self, h: f64, reference: &Reference, report: &mut Report) -> Result<(), String> {
-        let set = [("grid.cell", format!("{h:?}")), ("gravity.tilt", "0.0".into()), ("gravity.settle_damping", "0.0".into())];
+        let set =
+            [("grid.cell", format!("{h:?}")), ("gravity.tilt", "0.0".into()), ("gravity.settle_damping", "0.0".into())];
         let mut block = Block::new(Run::new(self.files().case, &keys(&set))?)?;
         let level = block.full_pull;
         block.run.until(0.5 * level, |_| ())?;
@@ -93,7 +97,8 @@ struct Block {
 
 impl Block {
     fn new(run: Run) -> Result<Self, String> {
-        let GravitySchedule::NormalFirst { ramp_time, settle_time, tangential_time, .. } = run.case.gravity.schedule else {
+        let GravitySchedule::NormalFirst { ramp_time, settle_time, tangential_time, .. } = run.case.gravity.schedule
+        else {
             return Err("the incline needs gravity.schedule = \"normal_first\"".into());
         };
         let Side::Friction { coefficient, .. } = run.case.boundary.base else {

@@ -51,7 +51,14 @@ impl LightNode {
         Block::new(self.files().case, update, past, &[])
     }
 
-    fn long_run(&self, update: &'static str, past: f64, name: &str, reference: &Reference, report: &mut Report) -> Result<(), String> {
+    fn long_run(
+        &self,
+        update: &'static str,
+        past: f64,
+        name: &str,
+        reference: &Reference,
+        report: &mut Report,
+    ) -> Result<(), String> {
         let mut block = self.block(update, past)?;
         let most = block.watch(reference.given("steps")? as usize, report);
         report.row_of(reference, "energy", name, None, most.energy)?;

@@ -84,7 +84,11 @@ impl Operator {
             })
         };
         let share = active.iter().map(|&i| mass[i] / mass[i].max(floor));
-        Operator { share: DVector::from_iterator(active.len(), share), stiffness: scaled(stiffness), smoothing: scaled(consistent) }
+        Operator {
+            share: DVector::from_iterator(active.len(), share),
+            stiffness: scaled(stiffness),
+            smoothing: scaled(consistent),
+        }
     }
 
     /// 2 / sqrt(lambda_max(M^-1 K)) (s).
@@ -96,7 +100,8 @@ impl Operator {
     /// sqrt(A) K sqrt(A).
     pub fn musl_limit(&self) -> f64 {
         let SymmetricEigen { eigenvectors, eigenvalues } = SymmetricEigen::new(self.smoothing.clone());
-        let root = &eigenvectors * DMatrix::from_diagonal(&eigenvalues.map(|v| v.max(0.0).sqrt())) * eigenvectors.transpose();
+        let root =
+            &eigenvectors * DMatrix::from_diagonal(&eigenvalues.map(|v| v.max(0.0).sqrt())) * eigenvectors.transpose();
         limit(&root * &self.stiffness * &root)
     }
 

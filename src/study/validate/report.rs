@@ -103,7 +103,8 @@ impl Report {
 pub fn table(reports: &[Report]) -> String {
     let widest = |r: &Report| r.rows.iter().map(|row| row.quantity.chars().count()).max().unwrap_or(0);
     let width = reports.iter().map(widest).max().unwrap_or(0).max(8);
-    let mut out = format!("{:width$}  {:>12}  {:>12}  {:>10}  {:>10}\n", "quantity", "exact", "ours", "error", "tolerance");
+    let mut out =
+        format!("{:width$}  {:>12}  {:>12}  {:>10}  {:>10}\n", "quantity", "exact", "ours", "error", "tolerance");
     for report in reports {
         out += &section(report, width);
     }

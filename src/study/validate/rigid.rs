@@ -70,7 +70,8 @@ impl Rigid {
 
     fn fall(&self, way: (&str, &str), reference: &Reference, report: &mut Report) -> Result<(), String> {
         let dt = 1.0 / 1024.0;
-        let mut run = self.disc(way, &[("gravity.schedule", "at_once".into()), ("explicit.time_step", format!("{dt:?}"))])?;
+        let mut run =
+            self.disc(way, &[("gravity.schedule", "at_once".into()), ("explicit.time_step", format!("{dt:?}"))])?;
         run.until(reference.given("time")?, |_| ())?;
         let (t, g) = (run.sim.time, run.case.gravity.acceleration);
         let mut way_down = vec![[0.0; 2]; run.sim.body.len()];
@@ -114,7 +115,13 @@ impl Rigid {
         Ok(largest(run.sim.snapshot().stress.iter().map(|s| s.xx.abs())))
     }
 
-    fn spin(&self, way: (&str, &str), effort: Effort, reference: &Reference, report: &mut Report) -> Result<(), String> {
+    fn spin(
+        &self,
+        way: (&str, &str),
+        effort: Effort,
+        reference: &Reference,
+        report: &mut Report,
+    ) -> Result<(), String> {
         let cells: &[f64] = if effort == Effort::Short { &[0.25, 0.125] } else { &[0.25, 0.125, 0.0625] };
         let mut losses = Vec::new();
         for &h in cells {
@@ -130,7 +137,10 @@ impl Rigid {
     /// One turn of a disc that starts with its exact stress.
     fn turn(&self, way: (&str, &str), h: f64, pic_rate: &str, report: &mut Report) -> Result<Turn, String> {
         let spin = "{ rate = 1.0, center = [0.0, 0.0] }".to_owned();
-        let mut run = self.disc(way, &[("grid.cell", format!("{h:?}")), ("explicit.pic_rate", pic_rate.into()), ("region.disc.spin", spin)])?;
+        let mut run = self.disc(
+            way,
+            &[("grid.cell", format!("{h:?}")), ("explicit.pic_rate", pic_rate.into()), ("region.disc.spin", spin)],
+        )?;
         stress_as_spinning(&mut run);
         let before = angular_momentum(&run.sim);
         run.until(std::f64::consts::TAU, |_| ())?;

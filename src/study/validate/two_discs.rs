@@ -55,7 +55,8 @@ impl TwoDiscs {
         let mut runs = Vec::new();
         for courant in [0.25, 0.125, 0.0625] {
             let c = Collision::run(self.files().case, &keys(&[("explicit.courant", format!("{courant}"))]), report)?;
-            report.note(format!("courant = {courant}: energy lost {:.5}, largest gain on the way {:.5}", c.lost, c.gain));
+            report
+                .note(format!("courant = {courant}: energy lost {:.5}, largest gain on the way {:.5}", c.lost, c.gain));
             runs.push((courant, c));
         }
         let gains: Vec<_> = runs.iter().map(|(courant, c)| (*courant, c.gain)).collect();
@@ -82,7 +83,8 @@ impl Collision {
         let mut run = Run::new(text, keys)?;
         let before = run.sim.body.kinetic_energy();
         let scale = run.sim.initial_mass * 0.1;
-        let mut c = Collision { before, contact: f64::NAN, minimum: 1.0, after: 0.0, lost: 0.0, gain: 0.0, momentum: 0.0 };
+        let mut c =
+            Collision { before, contact: f64::NAN, minimum: 1.0, after: 0.0, lost: 0.0, gain: 0.0, momentum: 0.0 };
         run.until(run.case.end.time, |sim| {
             let e = sim.energies();
             c.after = e.kinetic / before;

@@ -81,7 +81,13 @@ impl Bar {
     }
 
     /// Small amplitude, h halved again and again with dt ~ h.
-    fn convergence(&self, text: &str, effort: Effort, reference: &Reference, report: &mut Report) -> Result<(), String> {
+    fn convergence(
+        &self,
+        text: &str,
+        effort: Effort,
+        reference: &Reference,
+        report: &mut Report,
+    ) -> Result<(), String> {
         let cells: &[usize] = match effort {
             Effort::Short => &[5, 10, 20],
             Effort::Full => &[5, 10, 20, 40, 80],
@@ -160,7 +166,9 @@ impl Trace {
     /// Mean energy of the last period against the first, over the energy at the start.
     fn drift(&self, period: f64) -> f64 {
         let end = self.time.last().copied().unwrap_or(f64::NAN);
-        let between = |a: f64, b: f64| mean(self.steps().filter(|&i| self.time[i] > a && self.time[i] <= b).map(|i| self.energy[i]));
+        let between = |a: f64, b: f64| {
+            mean(self.steps().filter(|&i| self.time[i] > a && self.time[i] <= b).map(|i| self.energy[i]))
+        };
         (between(end - period, end) - between(0.0, period)) / self.energy[0]
     }
 
