@@ -54,6 +54,8 @@ pub struct Scene {
     /// Cells with points at the start, and those cut by an outline.
     pub cells: u64,
     pub cut_cells: u64,
+    /// Names of the materials, by the index that a snapshot gives.
+    pub materials: Vec<String>,
     /// What the user should know before the run.
     pub warnings: Vec<Warning>,
 }
@@ -85,6 +87,7 @@ pub fn build(case: &Case, max_memory: u64) -> Result<Scene, SceneError> {
         grid,
         cells: seeding.cells,
         cut_cells: seeding.cut_cells,
+        materials: case.material.keys().cloned().collect(),
         warnings,
     })
 }
