@@ -56,7 +56,9 @@ const SCENES: [(&str, &[&str], &[&str]); 8] = [
     ("whole, jittered strength", &WHOLE, &["jitter.strength=0.0005"]),
     ("whole, automatic step", &["grid.cell=0.5", "gravity.schedule=at_once"], &[]),
 ];
-const LOOPS: [&str; 3] = ["written out", "scalar hencky", "scalar rate"];
+/// Instructions per particle-step of the scalar loop, the yardstick of `speed`.
+const PINNED: [(&str, f64); 2] = [("scalar hencky", 532.0), ("scalar rate", 411.4)];
+const WRITTEN_OUT: &str = "written out";
 
 fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
@@ -185,8 +187,8 @@ fn compare() -> ExitCode {
         (long - short) / (STEPS as f64 * points)
     };
     println!("instructions per particle-step, {points} points, path {:?}", FpPath::best());
-    let hand = per_point(LOOPS[0]);
-    println!("{:<28}{hand:>9.1}", LOOPS[0]);
+    let hand = per_point(WRITTEN_OUT);
+    println!("{:<28}{hand:>9.1}", WRITTEN_OUT);
     let mut bare = f64::NAN;
     for (name, ..) in SCENES {
         let count = per_point(name);
@@ -195,8 +197,14 @@ fn compare() -> ExitCode {
         }
         println!("{name:<28}{count:>9.1}   {:+.2} % of bare", 100.0 * (count / bare - 1.0));
     }
-    for name in &LOOPS[1..] {
-        println!("{name:<28}{:>9.1}", per_point(name));
+    let mut moved = false;
+    for (name, pinned) in PINNED {
+        let count = per_point(name);
+        moved |= (count / pinned - 1.0).abs() > ALLOWED;
+        println!("{name:<28}{count:>9.1}   pinned at {pinned}");
+    }
+    if moved {
+        println!("the yardstick itself has moved: the scalar loop or its compiler has changed");
     }
     let excess = bare / hand - 1.0;
     println!(
@@ -204,7 +212,7 @@ fn compare() -> ExitCode {
         100.0 * excess,
         100.0 * ALLOWED
     );
-    if excess <= ALLOWED { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+    if excess <= ALLOWED && !moved { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
 /// Instructions of this program doing `steps` steps, set-up and all.

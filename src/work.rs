@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// Exact counters of the work a run has done. They are deterministic and go to `record.json`.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Work {
     /// Material points in the body.
     pub points: u64,
@@ -23,6 +23,8 @@ pub struct Work {
     pub symbolic_factorisations: u64,
     /// Linear solves that needed a fallback.
     pub fallback_solves: u64,
+    /// Largest relative residual of any linear solve (0 in the explicit scheme, which solves none).
+    pub max_solve_residual: f64,
     /// Blocks of points sent through the constitutive law.
     pub law_blocks: u64,
     /// Calls of a nodal effect, summed over effects and passes.
