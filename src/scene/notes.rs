@@ -37,6 +37,15 @@ pub fn list(case: &Case, simulation: &Simulation) -> Vec<EffectNote> {
         viscous_damping(case, node),
         random_strength(case, simulation),
         contact_separation(case),
+        note(
+            "output",
+            true,
+            format!(
+                "output.history = {} s, output.frames = {} s: samples between steps",
+                case.output.history, case.output.frames
+            ),
+            0.0,
+        ),
         note("f_bar", false, "the explicit scheme has no cure for volumetric locking yet".into(), 0.0),
         note("ghost_penalty", false, "a remedy of the implicit scheme; MUSL needs none".into(), 0.0),
     ]

@@ -124,7 +124,7 @@ mod tests {
     #[test]
     fn every_problem_reads_its_own_files_and_says_where_its_answers_come_from() {
         for p in problems() {
-            let (case, _) = crate::case::read(p.name(), p.files().case, &[]).expect(p.name());
+            let (case, _) = crate::case::read(p.name(), p.files().case, &[]).expect("a sound case");
             assert!(!case.title.is_empty());
             assert!(!p.about().is_empty() && !p.source().is_empty(), "{}", p.name());
         }
