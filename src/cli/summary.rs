@@ -50,10 +50,12 @@ fn slide(s: &mut String, r: &Record) -> std::fmt::Result {
 
 fn balances(s: &mut String, r: &Record) -> std::fmt::Result {
     let e = &r.measures.energy_kj_per_m;
+    // a tenth of a kJ/m is enough for a slope, four digits for a bar
+    let digits = if e.external.abs() < 10.0 { 4 } else { 1 };
     writeln!(
         s,
-        "  energy      external {:.1} = kinetic {:.1} + elastic {:.1} + dissipated {:.1} + numerical {:.1} kJ/m",
-        e.external, e.kinetic, e.strain, e.dissipated, e.numerical
+        "  energy      external {:.*} = kinetic {:.*} + elastic {:.*} + dissipated {:.*} + numerical {:.*} kJ/m",
+        digits, e.external, digits, e.kinetic, digits, e.strain, digits, e.dissipated, digits, e.numerical
     )?;
     let [x, y] = r.measures.momentum_error;
     writeln!(s, "  balances    mass {:.1e} relative; momentum {x:.1e}, {y:.1e} of weight x time", r.measures.mass_error)
