@@ -1,7 +1,11 @@
 //! Coulomb friction at the nodes of a side (Bandara & Soga 2015): |f_t| <= mu f_n.
 
 use super::{Clock, Effect, Ledger, Pass, Stages, velocity_of};
-use crate::{nodes::Nodes, space::grid::Side};
+use crate::{
+    body::Body,
+    nodes::Nodes,
+    space::{Grid, grid::Side},
+};
 
 /// Frictional side of the grid.
 pub struct Friction {
@@ -10,14 +14,20 @@ pub struct Friction {
     coefficient: f64,
     /// Whether the soil may lift off.
     separation: bool,
-    /// For each node of the side in this step: free, sliding or sticking.
+    /// For each node of the side in this step: away, leaving, sliding or sticking.
     contact: Vec<Contact>,
+    /// For each grid node along the side: how near the soil of its cells comes to the side, by the
+    /// edge of its points (m); below 0 where they overlap it.
+    clearance: Vec<f64>,
     ledger: Ledger,
 }
 
 /// Contact of one node in one step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Contact {
+    /// No point of its cells reaches the side.
+    Away,
+    /// Touching, and leaving.
     Open,
     Slip,
     Stick,
@@ -43,10 +53,29 @@ pub fn contact_law(normal: f64, tangential: f64, coefficient: f64, separation: b
     }
 }
 
+/// Clearance, in cells, up to which soil touches the side: rounding of points that start with
+/// their edge on it.
+const TOUCH: f64 = 0.01;
+
 impl Friction {
     /// Friction with coefficient mu; with `separation` the soil may lift off.
     pub fn new(side: Side, coefficient: f64, separation: bool) -> Self {
-        Friction { side, coefficient, separation, contact: Vec::new(), ledger: Ledger::default() }
+        Friction {
+            side,
+            coefficient,
+            separation,
+            contact: Vec::new(),
+            clearance: Vec::new(),
+            ledger: Ledger::default(),
+        }
+    }
+
+    /// Whether soil touches the side at a grid node. Without it a node that has once left the side
+    /// would be stopped wherever it is when it comes back: the way up kept, the way down not, and
+    /// a sliding body would climb.
+    fn touches(&self, nodes: &Nodes, s: usize) -> bool {
+        let along = nodes.grid.node_place(nodes.id[s])[1 - self.side.axis()] as usize;
+        !self.separation || self.clearance.get(along).is_none_or(|c| *c <= TOUCH * nodes.grid.h)
     }
 
     fn update(&mut self, nodes: &mut Nodes, dt: f64) {
@@ -57,6 +86,10 @@ impl Friction {
         for k in 0..nodes.side(self.side).len() {
             let s = nodes.side(self.side)[k] as usize;
             let (mass, vn, vt) = (nodes.mass[s], nodes.velocity[n][s], nodes.velocity[t][s]);
+            if !self.touches(nodes, s) {
+                self.contact.push(Contact::Away);
+                continue;
+            }
             let (normal, tangential, contact) = contact_law(vn * inward, vt, self.coefficient, self.separation);
             nodes.velocity[n][s] = normal * inward;
             nodes.velocity[t][s] = tangential;
@@ -78,6 +111,9 @@ impl Friction {
         for (k, contact) in self.contact.iter().enumerate() {
             let s = nodes.side(self.side)[k] as usize;
             let v = velocity_of(nodes, Pass::Remap);
+            if *contact == Contact::Away {
+                continue;
+            }
             if *contact != Contact::Open || v[n][s] * inward < 0.0 {
                 v[n][s] = 0.0;
             }
@@ -94,7 +130,26 @@ impl Effect for Friction {
     }
 
     fn stages(&self) -> Stages {
-        Stages { constrain: true, ..Stages::default() }
+        Stages { survey: self.separation, constrain: true, ..Stages::default() }
+    }
+
+    /// Clearance of the points in the cells along the side; a point is a square of its volume.
+    fn survey(&mut self, body: &Body, grid: &Grid) {
+        let (n, t) = (self.side.axis(), 1 - self.side.axis());
+        self.clearance.clear();
+        self.clearance.resize(grid.cells[t] as usize + 1, f64::INFINITY);
+        let side = if self.side.inward() > 0.0 { grid.origin[n] } else { grid.far()[n] };
+        let ([across, along], state) = ([n, t].map(|a| &body.committed.x[a]), &body.committed);
+        for (i, x) in across.iter().enumerate() {
+            let distance = (x - side).abs();
+            if distance < grid.h {
+                let clearance = distance - 0.5 * (body.volume[i] * state.jacobian[i]).sqrt();
+                let cell = (((along[i] - grid.origin[t]) / grid.h) as usize).min(self.clearance.len() - 2);
+                for c in &mut self.clearance[cell..=cell + 1] {
+                    *c = c.min(clearance);
+                }
+            }
+        }
     }
 
     fn constrain(&mut self, nodes: &mut Nodes, pass: Pass, clock: Clock) {

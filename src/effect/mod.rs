@@ -11,7 +11,7 @@ pub use friction::Friction;
 pub use gravity::{Gravity, Schedule};
 pub use support::Support;
 
-use crate::nodes::Nodes;
+use crate::{body::Body, nodes::Nodes, space::Grid};
 
 /// Where a step stands in time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -34,6 +34,7 @@ pub enum Pass {
 /// Which stages of a step an effect takes part in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stages {
+    pub survey: bool,
     pub force: bool,
     pub constrain: bool,
     pub account: bool,
@@ -93,6 +94,9 @@ pub trait Effect: Send {
 
     /// The stages it takes part in.
     fn stages(&self) -> Stages;
+
+    /// Looks at the points before the nodes move.
+    fn survey(&mut self, _body: &Body, _grid: &Grid) {}
 
     /// Adds to the nodal forces.
     fn force(&mut self, _nodes: &mut Nodes, _clock: Clock) {}

@@ -54,6 +54,7 @@ pub struct Explicit<S, const N: usize> {
 /// Which effects take part in which stage, found once.
 #[derive(Default)]
 struct StageLists {
+    survey: Vec<usize>,
     force: Vec<usize>,
     constrain: Vec<usize>,
     account: Vec<usize>,
@@ -77,6 +78,7 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
             effects.iter().enumerate().filter(|(_, e)| f(e.as_ref())).map(|(i, _)| i).collect()
         };
         let lists = StageLists {
+            survey: pick(|e| e.stages().survey),
             force: pick(|e| e.stages().force),
             constrain: pick(|e| e.stages().constrain),
             account: pick(|e| e.stages().account),
@@ -99,6 +101,8 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
     fn try_step(&mut self, body: &mut Body, clock: Clock, work: &mut Work) -> Result<(), Fault> {
         let runs = self.scatter(body);
         let mean_mass = if self.settings.mass_floor > 0.0 { body.total_mass() / body.len() as f64 } else { 0.0 };
+        self.lists.survey.iter().for_each(|&e| self.effects[e].survey(body, &self.nodes.grid));
+        work.effect_calls += self.lists.survey.len() as u64;
         let floor = self.update_nodes(clock, mean_mass, work);
         self.push(body, clock.dt)?;
         self.strain_velocity(clock, work);
