@@ -146,7 +146,7 @@ fn about(case: &Case, outcome: &Outcome) -> Vec<Warning> {
         w.push(Warning::new(
             "chance",
             "jitter.strength",
-            "one run is one draw: strengths changed by 0.05 % move r by up to 1 m on the paper's slope; give the median of jittered runs (`rmpm converge --runs`)".into(),
+            "one run is one draw: strengths changed by 0.05 % move r by a column of points or by a whole block, as the mesh has it; give the median of jittered runs (`rmpm converge --runs`)".into(),
         ));
     }
     if m.sliding_distance_censored {
