@@ -153,7 +153,7 @@ fn slope_in_coarse_cells_slides_and_comes_to_rest() {
 
 /// The paper's slope: r = 9.0 m there; the bounds are a block (2.5 to 3 m) to either side, which is
 /// also what another mesh or number of points does. The first block should be 2.8 to 3.3 m; this run measures 3.30 m, on the edge, so
-/// the bound leaves two columns of points (0.25 m) more. r = 7.80 m in 3 blocks, at rest after 20.5 s.
+/// the bound leaves two columns of points (0.25 m) more. r = 7.55 m in 3 blocks, at rest after 18.1 s.
 #[test]
 fn the_papers_slope_fails_block_by_block_and_comes_to_rest() {
     let (outcome, scene) = solve("clay-slope", &[]);

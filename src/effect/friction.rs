@@ -1,5 +1,7 @@
 //! Coulomb friction at the nodes of a side (Bandara & Soga 2015): |f_t| <= mu f_n.
 
+use std::ops::Range;
+
 use super::{Clock, Effect, Ledger, Pass, Stages, velocity_of};
 use crate::{
     body::Body,
@@ -57,6 +59,9 @@ pub fn contact_law(normal: f64, tangential: f64, coefficient: f64, separation: b
 /// their edge on it.
 const TOUCH: f64 = 0.01;
 
+/// Points looked at together in a survey.
+const STRETCH: usize = 64;
+
 impl Friction {
     /// Friction with coefficient mu; with `separation` the soil may lift off.
     pub fn new(side: Side, coefficient: f64, separation: bool) -> Self {
@@ -76,6 +81,22 @@ impl Friction {
     fn touches(&self, nodes: &Nodes, s: usize) -> bool {
         let along = nodes.grid.node_place(nodes.id[s])[1 - self.side.axis()] as usize;
         !self.separation || self.clearance.get(along).is_none_or(|c| *c <= TOUCH * nodes.grid.h)
+    }
+
+    fn survey_stretch(&mut self, body: &Body, grid: &Grid, side: f64, range: Range<usize>) {
+        let (n, t) = (self.side.axis(), 1 - self.side.axis());
+        let state = &body.committed;
+        for i in range {
+            let distance = (state.x[n][i] - side).abs();
+            if distance < grid.h {
+                let clearance = distance - 0.5 * (body.volume[i] * state.jacobian[i]).sqrt();
+                let cell = ((state.x[t][i] - grid.origin[t]) / grid.h) as usize;
+                let cell = cell.min(grid.cells[t] as usize - 1);
+                for c in &mut self.clearance[cell..=cell + 1] {
+                    *c = c.min(clearance);
+                }
+            }
+        }
     }
 
     fn update(&mut self, nodes: &mut Nodes, dt: f64) {
@@ -139,15 +160,11 @@ impl Effect for Friction {
         self.clearance.clear();
         self.clearance.resize(grid.cells[t] as usize + 1, f64::INFINITY);
         let side = if self.side.inward() > 0.0 { grid.origin[n] } else { grid.far()[n] };
-        let ([across, along], state) = ([n, t].map(|a| &body.committed.x[a]), &body.committed);
-        for (i, x) in across.iter().enumerate() {
-            let distance = (x - side).abs();
-            if distance < grid.h {
-                let clearance = distance - 0.5 * (body.volume[i] * state.jacobian[i]).sqrt();
-                let cell = (((along[i] - grid.origin[t]) / grid.h) as usize).min(self.clearance.len() - 2);
-                for c in &mut self.clearance[cell..=cell + 1] {
-                    *c = c.min(clearance);
-                }
+        // points are nearly in the order of their cells: most stretches have none at the side
+        for (k, stretch) in body.committed.x[n].chunks(STRETCH).enumerate() {
+            let near: u64 = stretch.iter().map(|x| u64::from((x - side).abs() < grid.h)).sum();
+            if near > 0 {
+                self.survey_stretch(body, grid, side, k * STRETCH..k * STRETCH + stretch.len());
             }
         }
     }
