@@ -321,11 +321,11 @@ fn load_point_state(block: &mut Block, group: &Group, body: &Body, range: &Range
 
 #[inline(always)]
 fn store_point_state(block: &Block, body: &mut Body, range: &Range<usize>) {
-    for (lane, column) in block.strain.iter().zip(&mut body.trial.strain) {
+    for (lane, column) in block.trial_strain.iter().zip(&mut body.trial.strain) {
         store(lane, column, range);
     }
-    store(&block.jacobian, &mut body.trial.jacobian, range);
-    for (lane, column) in block.state.iter().zip(&mut body.trial.history) {
+    store(&block.trial_jacobian, &mut body.trial.jacobian, range);
+    for (lane, column) in block.trial_state.iter().zip(&mut body.trial.history) {
         store(lane, column, range);
     }
 }

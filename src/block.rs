@@ -24,16 +24,22 @@ pub struct Block {
     pub len: usize,
     /// Displacement gradient of the step: xx, xy, yx, yy.
     pub du: [Lane; 4],
-    /// Elastic strain: committed in, trial out.
+    /// Committed elastic strain.
     pub strain: [Lane; 4],
-    /// J: committed in, trial out.
+    /// Committed J.
     pub jacobian: Lane,
+    /// Elastic strain after the step.
+    pub trial_strain: [Lane; 4],
+    /// J after the step.
+    pub trial_jacobian: Lane,
     /// Cauchy stress (kPa), out.
     pub stress: [Lane; 4],
     /// Parameters.
     pub param: [Lane; MAX_PARAMS],
-    /// History: committed in, trial out.
+    /// Committed history.
     pub state: [Lane; MAX_STATES],
+    /// History after the step.
+    pub trial_state: [Lane; MAX_STATES],
     /// Plastic work of the step per initial volume (kPa), out.
     pub dissipation: Lane,
     /// 1 where the fast kinematics held and the result is sound, else 0.
@@ -47,6 +53,9 @@ impl Default for Block {
             du: [[0.0; LANES]; 4],
             strain: [[0.0; LANES]; 4],
             jacobian: [1.0; LANES],
+            trial_strain: [[0.0; LANES]; 4],
+            trial_jacobian: [1.0; LANES],
+            trial_state: [[0.0; LANES]; MAX_STATES],
             stress: [[0.0; LANES]; 4],
             param: [[1.0; LANES]; MAX_PARAMS],
             state: [[0.0; LANES]; MAX_STATES],
@@ -68,8 +77,13 @@ impl Block {
     }
 
     #[inline(always)]
-    fn set_strain(&mut self, i: usize, e: Voigt) {
-        for (column, value) in self.strain.iter_mut().zip(e.to_array()) {
+    fn trial_strain(&self, i: usize) -> Voigt {
+        Voigt::from_array(std::array::from_fn(|c| self.trial_strain[c][i]))
+    }
+
+    #[inline(always)]
+    fn set_trial_strain(&mut self, i: usize, e: Voigt) {
+        for (column, value) in self.trial_strain.iter_mut().zip(e.to_array()) {
             column[i] = value;
         }
     }
@@ -135,7 +149,7 @@ impl<M: Material, K: Kinematics> PointLaw<M, K> {
         M::State::read(|k| block.state[k][i])
     }
 
-    /// One point: trial, return, stress, all into the block.
+    /// One point: return, stress, all into the block's trial columns.
     #[inline(always)]
     fn point(&self, b: &mut Block, i: usize, trial: Trial) {
         let j = b.jacobian[i] * trial.jacobian;
@@ -146,17 +160,16 @@ impl<M: Material, K: Kinematics> PointLaw<M, K> {
         let sound = trial.inside & (trial.jacobian > 0.0) & (sum.abs() < f64::MAX);
         b.sound[i] = if sound { 1.0 } else { 0.0 };
         b.set_stress(i, cauchy);
-        b.set_strain(i, u.strain);
+        b.set_trial_strain(i, u.strain);
         b.dissipation[i] = u.dissipation * K::energy_volume(j);
-        u.state.write(|k, v| b.state[k][i] = v);
-        b.jacobian[i] = j;
+        u.state.write(|k, v| b.trial_state[k][i] = v);
+        b.trial_jacobian[i] = j;
     }
 
     /// A lane that the fast path refused: computed from its committed values by the library
     /// functions, or a fault.
     #[cold]
-    fn mend(&self, b: &mut Block, i: usize, committed: &Committed) -> Result<(), Fault> {
-        committed.restore(b);
+    fn mend(&self, b: &mut Block, i: usize) -> Result<(), Fault> {
         let (e, du) = (b.strain(i), b.du(i));
         let trial = K::trial_exact(e, du);
         if trial.jacobian <= 0.0 {
@@ -176,25 +189,6 @@ impl<M: Material, K: Kinematics> PointLaw<M, K> {
     }
 }
 
-/// Committed values of one lane, kept for the lanes that have to be done again.
-struct Committed {
-    lane: usize,
-    strain: [f64; 4],
-    state: [f64; MAX_STATES],
-    jacobian: f64,
-}
-
-impl Committed {
-    fn restore(&self, b: &mut Block) {
-        let i = self.lane;
-        b.set_strain(i, Voigt::from_array(self.strain));
-        for (column, value) in b.state.iter_mut().zip(self.state) {
-            column[i] = value;
-        }
-        b.jacobian[i] = self.jacobian;
-    }
-}
-
 struct UpdateKernel<'a, M, K> {
     law: &'a PointLaw<M, K>,
     block: &'a mut Block,
@@ -206,18 +200,17 @@ impl<M: Material, K: Kinematics> Kernel for UpdateKernel<'_, M, K> {
     #[inline(always)]
     fn run(self) -> Self::Output {
         let (law, b) = (self.law, self.block);
-        let before = (b.strain, b.state, b.jacobian);
         // two short loops overlap better in the processor than one long one
         let mut volume = [0.0; LANES];
         let mut inside = [0.0; LANES];
         for i in 0..LANES {
             let trial = K::trial(b.strain(i), b.du(i));
-            b.set_strain(i, trial.strain);
+            b.set_trial_strain(i, trial.strain);
             volume[i] = trial.jacobian;
             inside[i] = if trial.inside { 1.0 } else { 0.0 };
         }
         for i in 0..LANES {
-            law.point(b, i, Trial { strain: b.strain(i), jacobian: volume[i], inside: inside[i] > 0.0 });
+            law.point(b, i, Trial { strain: b.trial_strain(i), jacobian: volume[i], inside: inside[i] > 0.0 });
         }
         let sound: f64 = b.sound[..b.len].iter().fold(1.0, |a, &v| if v < a { v } else { a });
         if sound > 0.0 {
@@ -225,13 +218,7 @@ impl<M: Material, K: Kinematics> Kernel for UpdateKernel<'_, M, K> {
         }
         for i in 0..b.len {
             if b.sound[i] == 0.0 {
-                let committed = Committed {
-                    lane: i,
-                    strain: before.0.map(|c| c[i]),
-                    state: before.1.map(|c| c[i]),
-                    jacobian: before.2[i],
-                };
-                law.mend(b, i, &committed)?;
+                law.mend(b, i)?;
             }
         }
         Ok(())
