@@ -133,13 +133,14 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
 
     /// v = p / m at the start, forces, v += dt f / m, supports.
     fn update_nodes(&mut self, clock: Clock, mean_mass: f64, work: &mut Work) -> [f64; 2] {
-        let Explicit { nodes, effects, lists, .. } = self;
+        let Explicit { nodes, effects, lists, path, .. } = self;
         effects.iter_mut().for_each(|e| e.ledger_mut().begin());
         invert_mass(nodes);
-        divide(&mut nodes.old_velocity, &nodes.momentum, &nodes.inverse_mass, nodes.count);
+        let Nodes { old_velocity: out, momentum, inverse_mass, count, .. } = &mut *nodes;
+        path.run(Divide { out, momentum, inverse_mass, n: *count });
         let floor = withhold(nodes, clock.dt, self.settings.mass_floor * mean_mass);
         lists.force.iter().for_each(|&e| effects[e].force(nodes, clock));
-        accelerate(nodes, clock.dt);
+        path.run(Accelerate { nodes: &mut *nodes, dt: clock.dt });
         lists.constrain.iter().for_each(|&e| effects[e].constrain(nodes, Pass::Update, clock));
         lists.account.iter().for_each(|&e| effects[e].account(nodes, clock));
         work.effect_calls += (lists.force.len() + lists.constrain.len() + lists.account.len()) as u64;
@@ -162,10 +163,11 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
 
     /// The velocity that strains the points.
     fn strain_velocity(&mut self, clock: Clock, work: &mut Work) {
-        let Explicit { nodes, effects, lists, settings, .. } = self;
+        let Explicit { nodes, effects, lists, settings, path, .. } = self;
         match settings.stress_update {
             StressUpdate::Musl => {
-                divide(&mut nodes.strain_velocity, &nodes.momentum, &nodes.inverse_mass, nodes.count);
+                let Nodes { strain_velocity: out, momentum, inverse_mass, count, .. } = &mut *nodes;
+                path.run(Divide { out, momentum, inverse_mass, n: *count });
                 lists.constrain.iter().for_each(|&e| effects[e].constrain(nodes, Pass::Remap, clock));
                 work.effect_calls += lists.constrain.len() as u64;
             }
@@ -202,11 +204,24 @@ fn invert_mass(nodes: &mut Nodes) {
 }
 
 /// `out = p / m` on the active nodes.
-fn divide(out: &mut [Vec<f64>; 2], momentum: &[Vec<f64>; 2], inverse_mass: &[f64], n: usize) {
-    for axis in 0..2 {
-        let columns = momentum[axis][..n].iter().zip(&inverse_mass[..n]);
-        for (v, (p, inverse)) in out[axis][..n].iter_mut().zip(columns) {
-            *v = p * inverse;
+struct Divide<'a> {
+    out: &'a mut [Vec<f64>; 2],
+    momentum: &'a [Vec<f64>; 2],
+    inverse_mass: &'a [f64],
+    n: usize,
+}
+
+impl Kernel for Divide<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let inverse = &self.inverse_mass[..self.n];
+        for axis in 0..2 {
+            let (out, momentum) = (&mut self.out[axis][..self.n], &self.momentum[axis][..self.n]);
+            for i in 0..self.n {
+                out[i] = momentum[i] * inverse[i];
+            }
         }
     }
 }
@@ -231,12 +246,25 @@ fn withhold(nodes: &mut Nodes, dt: f64, floor: f64) -> [f64; 2] {
 }
 
 /// v = v_old + dt f / m.
-fn accelerate(nodes: &mut Nodes, dt: f64) {
-    let n = nodes.count;
-    for axis in 0..2 {
-        let columns = nodes.force[axis][..n].iter().zip(&nodes.inverse_mass[..n]).zip(&nodes.old_velocity[axis][..n]);
-        for (v, ((f, inverse), old)) in nodes.velocity[axis][..n].iter_mut().zip(columns) {
-            *v = old + dt * f * inverse;
+struct Accelerate<'a> {
+    nodes: &'a mut Nodes,
+    dt: f64,
+}
+
+impl Kernel for Accelerate<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Accelerate { nodes, dt } = self;
+        let n = nodes.count;
+        let inverse = &nodes.inverse_mass[..n];
+        for axis in 0..2 {
+            let (force, old) = (&nodes.force[axis][..n], &nodes.old_velocity[axis][..n]);
+            let new = &mut nodes.velocity[axis][..n];
+            for i in 0..n {
+                new[i] = old[i] + dt * force[i] * inverse[i];
+            }
         }
     }
 }
@@ -267,7 +295,7 @@ impl<S: Shape<N>, const N: usize> Integrator for Explicit<S, N> {
             self.scatter(body);
             invert_mass(&mut self.nodes);
             let Nodes { velocity, momentum, inverse_mass, count, .. } = &mut self.nodes;
-            divide(velocity, momentum, inverse_mass, *count);
+            self.path.run(Divide { out: velocity, momentum, inverse_mass, n: *count });
         }
         result
     }
