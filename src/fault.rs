@@ -66,7 +66,9 @@ impl Fault {
             FaultKind::Inverted | FaultKind::NonFinite | FaultKind::StepTooLong => {
                 "lower `explicit.courant` (or `explicit.time_step`), or bring the load on more slowly (`gravity.ramp_time`)"
             }
-            FaultKind::LeftGrid => "enlarge `grid.size`, or put a support on that side (`boundary`)",
+            FaultKind::LeftGrid => {
+                "enlarge `grid.size`, or put a support on that side (`boundary`); where a support stands already, the step is too long: lower `explicit.courant` or `explicit.time_step`"
+            }
         }
     }
 }
