@@ -93,6 +93,18 @@ fn booked_impulses_are_the_change_of_momentum() {
     }
 }
 
+/// Every effect that dissipates says under which head: the parts add up to the whole.
+#[test]
+fn dissipation_is_reported_under_a_head() {
+    let (mut body, grid) = body("hencky");
+    let mut integrator = integrator(grid, StressUpdate::Musl);
+    advance(&mut integrator, &mut body, 0, 300, &mut Work::default());
+    let books = integrator.books();
+    let (parts, whole) = (books.friction + books.damping, books.effects.dissipated);
+    assert!(books.friction > 0.0 && books.damping > 0.0, "{books:?}");
+    assert!((parts - whole).abs() <= 1e-12 * whole, "{books:?}");
+}
+
 /// The stable step shrinks with the cells and is positive for a body at rest.
 #[test]
 fn the_stable_step_follows_the_cells() {

@@ -1,7 +1,13 @@
 //! Damping of the motion: local (Cundall) and viscous.
 
-use super::{Clock, Effect, Ledger, Stages};
+use super::{Clock, Effect, Ledger, Sink, Stages, Totals};
 use crate::nodes::Nodes;
+
+/// Books a drag (kN/m) that acts for `dt` (s) on a node moving with `velocity` (m/s) along `axis`.
+fn book_drag(books: &mut Totals, axis: usize, drag: f64, velocity: f64, dt: f64) {
+    books.dissipated -= drag * velocity * dt;
+    books.impulse[axis] += drag * dt;
+}
 
 /// f_i -= a |f_i| sign(v_i) on each component, f_i being the out-of-balance force.
 pub struct LocalDamping {
@@ -31,6 +37,10 @@ impl Effect for LocalDamping {
         "local_damping"
     }
 
+    fn sink(&self) -> Sink {
+        Sink::Damping
+    }
+
     fn stages(&self) -> Stages {
         Stages { force: true, ..Stages::default() }
     }
@@ -42,12 +52,10 @@ impl Effect for LocalDamping {
         }
         let n = nodes.count;
         for axis in 0..2 {
-            let books = &mut self.ledger.step;
             for (f, v) in nodes.force[axis][..n].iter_mut().zip(&nodes.old_velocity[axis]) {
                 let drag = if *v == 0.0 { 0.0 } else { -a * f.abs() * v.signum() };
                 *f += drag;
-                books.dissipated -= drag * v * clock.dt;
-                books.impulse[axis] += drag * clock.dt;
+                book_drag(&mut self.ledger.step, axis, drag, *v, clock.dt);
             }
         }
     }
@@ -81,6 +89,10 @@ impl Effect for ViscousDamping {
         "viscous_damping"
     }
 
+    fn sink(&self) -> Sink {
+        Sink::Damping
+    }
+
     fn stages(&self) -> Stages {
         Stages { force: true, ..Stages::default() }
     }
@@ -89,13 +101,11 @@ impl Effect for ViscousDamping {
         let n = nodes.count;
         let rate = -(-self.rate * clock.dt).exp_m1() / clock.dt;
         for axis in 0..2 {
-            let books = &mut self.ledger.step;
             let motion = nodes.mass[..n].iter().zip(&nodes.old_velocity[axis]);
             for (f, (m, v)) in nodes.force[axis][..n].iter_mut().zip(motion) {
                 let drag = -rate * m * v;
                 *f += drag;
-                books.dissipated -= drag * v * clock.dt;
-                books.impulse[axis] += drag * clock.dt;
+                book_drag(&mut self.ledger.step, axis, drag, *v, clock.dt);
             }
         }
     }

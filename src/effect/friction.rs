@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{Clock, Effect, Ledger, Pass, Stages, velocity_of};
+use super::{Clock, Effect, Ledger, Pass, Sink, Stages, velocity_of};
 use crate::{
     body::Body,
     nodes::Nodes,
@@ -148,6 +148,10 @@ impl Friction {
 impl Effect for Friction {
     fn name(&self) -> &'static str {
         "friction"
+    }
+
+    fn sink(&self) -> Sink {
+        Sink::Friction
     }
 
     fn stages(&self) -> Stages {

@@ -34,6 +34,7 @@ pub enum Pass {
 /// Which stages of a step an effect takes part in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stages {
+    /// Looks at the points, before the forces.
     pub survey: bool,
     pub force: bool,
     pub constrain: bool,
@@ -87,6 +88,17 @@ impl Ledger {
     }
 }
 
+/// Under which head the energy that an effect dissipates is reported.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sink {
+    /// Sliding on a side.
+    Friction,
+    /// Damping of the motion.
+    Damping,
+    /// It dissipates nothing.
+    None,
+}
+
 /// One effect. Its stages are asked for once; it is then called only in those.
 pub trait Effect: Send {
     /// Name in the record.
@@ -94,6 +106,11 @@ pub trait Effect: Send {
 
     /// The stages it takes part in.
     fn stages(&self) -> Stages;
+
+    /// Where its dissipation is reported.
+    fn sink(&self) -> Sink {
+        Sink::None
+    }
 
     /// Looks at the points before the nodes move.
     fn survey(&mut self, _body: &Body, _grid: &Grid) {}

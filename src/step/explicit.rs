@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use crate::{
     assembly::{Scatter, Scratch, Strain, place},
     body::{Body, chunks, load_varying, set_uniform},
-    effect::{Clock, Effect, Pass},
+    effect::{Clock, Effect, Pass, Sink},
     fault::Fault,
     math::simd::{FpPath, Kernel},
     nodes::Nodes,
@@ -310,9 +310,10 @@ impl<S: Shape<N>, const N: usize> Integrator for Explicit<S, N> {
         for effect in &self.effects {
             let totals = effect.ledger().totals();
             books.effects.add(&totals);
-            match effect.name() {
-                "friction" => books.friction += totals.dissipated,
-                _ => books.damping += totals.dissipated,
+            match effect.sink() {
+                Sink::Friction => books.friction += totals.dissipated,
+                Sink::Damping => books.damping += totals.dissipated,
+                Sink::None => {}
             }
         }
         books
