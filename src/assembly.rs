@@ -4,6 +4,8 @@
 //! stay in the first-level cache ([`Scratch`]); a pass is instantiated once per shape function,
 //! and the law sits behind one virtual call a block.
 
+pub mod response;
+
 use std::ops::Range;
 
 use crate::{

@@ -2,7 +2,7 @@
 
 use crate::{
     fault::{Fault, FaultKind},
-    kinematics::{Kinematics, StrengthMeasure, Trial},
+    kinematics::{Kinematics, StrainRate, StrengthMeasure, Trial},
     material::{Columns, Material, Standing},
     math::{
         simd::{FpPath, Kernel},
@@ -72,6 +72,13 @@ impl Block {
     }
 
     #[inline(always)]
+    fn set_du(&mut self, i: usize, du: Gradient) {
+        for (column, value) in self.du.iter_mut().zip([du.xx, du.xy, du.yx, du.yy]) {
+            column[i] = value;
+        }
+    }
+
+    #[inline(always)]
     fn strain(&self, i: usize) -> Voigt {
         Voigt::new(self.strain[0][i], self.strain[1][i], self.strain[2][i], self.strain[3][i])
     }
@@ -96,6 +103,9 @@ impl Block {
     }
 }
 
+/// d(J sigma) / d l for each lane: rows xx, yy, xy, columns l_xx, l_xy, l_yx, l_yy.
+pub type Moduli3 = [[Lane; 4]; 3];
+
 /// The law of one material over a block. Made once, from any material and kinematics; the body
 /// makes one virtual call per block.
 pub trait Law: Send + Sync {
@@ -107,6 +117,19 @@ pub trait Law: Send + Sync {
 
     /// Trial strain, return mapping, Cauchy stress. A fault names the lane in `point`.
     fn update(&self, block: &mut Block) -> Result<(), Fault>;
+
+    /// d(J sigma) / d l at the step in the block, consistent with [`Law::update`]. Returns whether
+    /// the tangent that follows is symmetric.
+    fn linearise(&self, block: &Block, out: &mut Moduli3) -> bool;
+
+    /// Whether strains are finite: gradients are then taken by the position after the step.
+    fn finite(&self) -> bool;
+
+    /// Dilatation of the step `block.du`, for each lane.
+    fn dilatation(&self, block: &Block, out: &mut Lane);
+
+    /// Changes the dilatation of the step `block.du` by `by`.
+    fn dilate(&self, block: &mut Block, by: &Lane);
 
     /// Cauchy stress of the strain in the block.
     fn stress(&self, block: &mut Block);
@@ -244,6 +267,58 @@ impl<M: Material, K: Kinematics> Kernel for StressKernel<'_, M, K> {
     }
 }
 
+struct TangentKernel<'a, M, K> {
+    law: &'a PointLaw<M, K>,
+    block: &'a Block,
+    out: &'a mut Moduli3,
+}
+
+impl<M: Material, K: Kinematics> Kernel for TangentKernel<'_, M, K> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run(self) -> bool {
+        let mut symmetric = true;
+        for i in 0..self.block.len {
+            let (moduli, own) = self.law.point_moduli(self.block, i);
+            symmetric &= own;
+            for (row, from) in self.out.iter_mut().zip([0, 1, 3]) {
+                for (column, k) in row.iter_mut().zip(0..4) {
+                    column[i] = moduli[(from, k)];
+                }
+            }
+        }
+        symmetric
+    }
+}
+
+impl<M: Material, K: Kinematics> PointLaw<M, K> {
+    /// With s the law's stress, k = J x cauchy factor, f the strength factor and e the trial strain,
+    /// ```text
+    /// d(k s) / d l = k (ds/de de/dl + ds/df df/dlnJ tr) + s dk/dlnJ tr
+    /// ```
+    /// Without the terms with tr it leads to a symmetric tangent.
+    #[inline(always)]
+    fn point_moduli(&self, b: &Block, i: usize) -> (StrainRate, bool) {
+        let (e, du) = (b.strain(i), b.du(i));
+        let fast = K::trial(e, du);
+        let trial = if fast.inside { fast } else { K::trial_exact(e, du) };
+        let j = b.jacobian[i] * trial.jacobian;
+        let (p, s) = (Self::param(b, i), Self::state(b, i));
+        let factor = K::strength_factor(self.measure, j);
+        let u = self.material.update(&p, &s, trial.strain, factor);
+        let k = j * K::cauchy_factor(j);
+        let mut out = self.material.tangent(&p, &u, factor) * K::strain_rate(e, trial.strain, du) * k;
+        let by_strength = self.material.strength_sensitivity(&p, &u, factor);
+        let by_volume = by_strength * (k * K::strength_slope(self.measure, j)) + u.stress * K::kirchhoff_slope(j);
+        for (row, value) in by_volume.to_array().into_iter().enumerate() {
+            out[(row, 0)] += value;
+            out[(row, 3)] += value;
+        }
+        (out, by_volume == Voigt::default())
+    }
+}
+
 impl<M: Material, K: Kinematics> Law for PointLaw<M, K> {
     fn params(&self) -> &'static [&'static str] {
         M::Param::NAMES
@@ -255,6 +330,27 @@ impl<M: Material, K: Kinematics> Law for PointLaw<M, K> {
 
     fn update(&self, block: &mut Block) -> Result<(), Fault> {
         self.path.run(UpdateKernel { law: self, block })
+    }
+
+    fn linearise(&self, block: &Block, out: &mut Moduli3) -> bool {
+        self.path.run(TangentKernel { law: self, block, out })
+    }
+
+    fn finite(&self) -> bool {
+        K::FINITE
+    }
+
+    fn dilatation(&self, block: &Block, out: &mut Lane) {
+        for i in 0..block.len {
+            out[i] = K::dilatation(block.du(i));
+        }
+    }
+
+    fn dilate(&self, block: &mut Block, by: &Lane) {
+        for i in 0..block.len {
+            let du = K::dilate(block.du(i), by[i]);
+            block.set_du(i, du);
+        }
     }
 
     fn stress(&self, block: &mut Block) {

@@ -50,6 +50,8 @@ pub mod nodes;
 
 pub mod seed;
 
+pub mod system;
+
 pub mod assembly;
 
 pub mod transfer;

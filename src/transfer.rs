@@ -3,12 +3,13 @@
 use std::ops::Range;
 
 use crate::{
-    assembly::{Scratch, collect, deposit, place, spread},
+    assembly::{Scratch, collect, deposit, place, response::Kept, spread},
     body::{Body, chunks, load, store},
     fault::{Fault, FaultKind},
     math::simd::Kernel,
     nodes::Nodes,
-    space::{Grid, Shape, stencil::LANES},
+    space::{Grid, Shape, Stencil, stencil::LANES},
+    system::System,
 };
 
 /// Moves the points and gives them their new velocity; with `REMAP` the momentum of the new
@@ -122,5 +123,73 @@ fn remap<const N: usize>(s: &mut Scratch<N>, nodes: &mut Nodes, block: usize) {
         let [px, py] = collect(&s.shares[..2], run);
         deposit(&mut nodes.momentum[0], &slots, px);
         deposit(&mut nodes.momentum[1], &slots, py);
+    }
+}
+
+/// Moves the points with the increments of an implicit step, and gives them their new velocity
+/// where there is inertia (`moving`).
+/// ```text
+/// x_p += sum N_i du_i
+/// v_p  = (1 - a) (v_p + sum N_i (v_i - v_i,old)) + a sum N_i v_i
+/// ```
+pub struct Carry<'a, S, const N: usize> {
+    pub scratch: &'a mut Scratch<N>,
+    pub body: &'a mut Body,
+    pub nodes: &'a Nodes,
+    pub kept: &'a Kept<N>,
+    pub system: &'a System,
+    pub moving: bool,
+    /// a, the share of PIC in this step.
+    pub pic: f64,
+    pub shape: S,
+}
+
+impl<S: Copy, const N: usize> Kernel for Carry<'_, S, N> {
+    type Output = Result<(), Fault>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let Carry { scratch: s, body, nodes, kept, system, moving, pic, .. } = self;
+        let mut block = 0;
+        for g in 0..body.groups.len() {
+            for range in chunks(body.groups[g].range.clone()) {
+                let stencil = &kept.stencils[block];
+                for axis in 0..2 {
+                    load(&mut s.x.0[axis], &body.committed.x[axis], &range);
+                    load(&mut s.v.0[axis], &body.committed.v[axis], &range);
+                    let [du, v, old] = [&system.du[axis], &nodes.velocity[axis], &nodes.old_velocity[axis]];
+                    spread(s.runs.of(block), &mut s.nodal, [du, v, old]);
+                    carry(s, stencil, axis, moving, pic);
+                }
+                if !all_inside(s, &nodes.grid, range.len()) {
+                    return Err(departure(s, body, &nodes.grid, &range));
+                }
+                for axis in 0..2 {
+                    store(&s.x.0[axis], &mut body.trial.x[axis], &range);
+                    store(&s.v.0[axis], &mut body.trial.v[axis], &range);
+                }
+                block += 1;
+            }
+        }
+        Ok(())
+    }
+}
+
+#[inline(always)]
+fn carry<const N: usize>(s: &mut Scratch<N>, stencil: &Stencil<N>, axis: usize, moving: bool, pic: f64) {
+    let [du, new, old, _] = &s.nodal;
+    for i in 0..LANES {
+        let (mut way, mut grid, mut start) = (0.0, 0.0, 0.0);
+        for k in 0..N {
+            let w = stencil.weight[k][i];
+            way += w * du.0[k][i];
+            grid += w * new.0[k][i];
+            start += w * old.0[k][i];
+        }
+        s.x.0[axis][i] += way;
+        if moving {
+            let flip = s.v.0[axis][i] + (grid - start);
+            s.v.0[axis][i] = flip + pic * (grid - flip);
+        }
     }
 }

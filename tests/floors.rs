@@ -8,7 +8,7 @@ use std::{
 };
 
 /// Top modules, lowest first. `measure` stands above `case` and reads its `Slide` keys.
-const ORDER: [&str; 24] = [
+const ORDER: [&str; 25] = [
     "fault",
     "work",
     "math",
@@ -22,6 +22,7 @@ const ORDER: [&str; 24] = [
     "body",
     "nodes",
     "seed",
+    "system",
     "assembly",
     "transfer",
     "effect",

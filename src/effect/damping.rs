@@ -1,7 +1,7 @@
 //! Damping of the motion: local (Cundall) and viscous.
 
 use super::{Clock, Effect, Ledger, Sink, Stages, Totals};
-use crate::nodes::Nodes;
+use crate::{nodes::Nodes, system::System};
 
 /// Books a drag (kN/m) that acts for `dt` (s) on a node moving with `velocity` (m/s) along `axis`.
 fn book_drag(books: &mut Totals, axis: usize, drag: f64, velocity: f64, dt: f64) {
@@ -94,7 +94,7 @@ impl Effect for ViscousDamping {
     }
 
     fn stages(&self) -> Stages {
-        Stages { force: true, ..Stages::default() }
+        Stages { force: true, residual: true, ..Stages::default() }
     }
 
     fn force(&mut self, nodes: &mut Nodes, clock: Clock) {
@@ -106,6 +106,28 @@ impl Effect for ViscousDamping {
                 let drag = -rate * m * v;
                 *f += drag;
                 book_drag(&mut self.ledger.step, axis, drag, *v, clock.dt);
+            }
+        }
+    }
+
+    /// r_i += c m_i du_i / dt.
+    fn residual(&mut self, nodes: &Nodes, clock: Clock, system: &mut System, tangent: bool) {
+        for axis in 0..2 {
+            for slot in 0..nodes.count {
+                let drag = self.rate * nodes.mass[slot] / clock.dt;
+                system.residual[axis][slot] += drag * system.du[axis][slot];
+                if tangent && drag > 0.0 {
+                    system.add_diagonal(slot, axis, drag);
+                }
+            }
+        }
+    }
+
+    fn settle(&mut self, nodes: &Nodes, clock: Clock, system: &System) {
+        for axis in 0..2 {
+            for (m, du) in nodes.mass[..nodes.count].iter().zip(&system.du[axis]) {
+                let velocity = du / clock.dt;
+                book_drag(&mut self.ledger.step, axis, -self.rate * m * velocity, velocity, clock.dt);
             }
         }
     }

@@ -7,6 +7,7 @@ use crate::{
     body::Body,
     nodes::Nodes,
     space::{Grid, grid::Side},
+    system::System,
 };
 
 /// Frictional side of the grid.
@@ -21,8 +22,35 @@ pub struct Friction {
     /// For each grid node along the side: how near the soil of its cells comes to the side, by the
     /// edge of its points (m); below 0 where they overlap it.
     clearance: Vec<f64>,
+    /// Implicit scheme: what each node of the side is taken to do, in the order of `contact`.
+    grips: Vec<Grip>,
+    /// The same after the last accepted step, by grid node along the side.
+    memory: Vec<Grip>,
+    /// Forces of the side in the implicit scheme: slot, axis, and the factor on the reaction along
+    /// that axis, or across the side where the node slides.
+    forces: Vec<(u32, u8, f64)>,
     ledger: Ledger,
 }
+
+/// Contact of a node in the implicit scheme.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Grip {
+    contact: Contact,
+    /// Sign of the force of the side on the soil along the side, where it slides.
+    sign: f64,
+    /// Changes of mind in this step.
+    changes: u32,
+}
+
+impl Default for Grip {
+    fn default() -> Self {
+        Grip { contact: Contact::Stick, sign: 0.0, changes: 0 }
+    }
+}
+
+/// Changes of mind in one step after which a node stays as it is: two states may lie within
+/// rounding of each other.
+const MOST_CHANGES: u32 = 8;
 
 /// Contact of one node in one step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,6 +99,9 @@ impl Friction {
             separation,
             contact: Vec::new(),
             clearance: Vec::new(),
+            grips: Vec::new(),
+            memory: Vec::new(),
+            forces: Vec::new(),
             ledger: Ledger::default(),
         }
     }
@@ -120,6 +151,73 @@ impl Friction {
             // friction force x way along the side; the impulse acts over the step
             self.ledger.step.dissipated -= rub / dt * (tangential * dt);
             self.contact.push(contact);
+        }
+    }
+
+    /// Grip of the nodes at the start of a step: as in the step before, sticking where new.
+    fn begin_grips(&mut self, nodes: &Nodes) {
+        self.memory.resize(nodes.grid.cells[1 - self.side.axis()] as usize + 1, Grip::default());
+        self.grips.clear();
+        for s in nodes.side(self.side) {
+            let slot = *s as usize;
+            let before = self.memory[self.along(nodes, slot)];
+            let before = if before.contact == Contact::Away { Grip::default() } else { before };
+            let touches = self.touches(nodes, slot);
+            self.grips.push(if touches { before } else { Grip { contact: Contact::Away, ..Grip::default() } });
+        }
+    }
+
+    /// Number of a node along the side.
+    fn along(&self, nodes: &Nodes, slot: usize) -> usize {
+        nodes.grid.node_place(nodes.id[slot])[1 - self.side.axis()] as usize
+    }
+
+    /// What a node should do, given the increment and the forces as they stand. An open node
+    /// closes when it moves into the side; a closed one opens when it is pulled, slides when it is
+    /// rubbed more than mu allows, and sticks when it would slide the way that friction pushes it.
+    fn revise(&self, grip: Grip, slot: usize, system: &System) -> Grip {
+        let (n, t, inward) = (self.side.axis(), 1 - self.side.axis(), self.side.inward());
+        let push = inward * system.reaction(slot, n);
+        let rub = system.reaction(slot, t);
+        let limit = self.coefficient * push.max(0.0);
+        let next = match grip.contact {
+            Contact::Away => grip,
+            Contact::Open if inward * system.du[n][slot] < 0.0 => Grip { contact: Contact::Stick, ..grip },
+            Contact::Open => grip,
+            _ if self.separation && push < 0.0 => Grip { contact: Contact::Open, ..grip },
+            // another support holds it along the side
+            Contact::Stick if system.is_held(slot, t) => grip,
+            Contact::Stick if rub.abs() > limit * (1.0 + 1e-9) => {
+                Grip { contact: Contact::Slip, sign: rub.signum(), ..grip }
+            }
+            Contact::Slip if system.du[t][slot] * grip.sign > 0.0 => Grip { contact: Contact::Stick, ..grip },
+            Contact::Slip | Contact::Stick => grip,
+        };
+        Grip { changes: grip.changes + u32::from(next.contact != grip.contact), ..next }
+    }
+
+    /// Brings the choices to the system: a closed node is held across the side, a sticking one
+    /// along it, and a sliding one gets r_t = sign mu r_n.
+    fn apply(&mut self, nodes: &Nodes, system: &mut System) {
+        let (n, t, inward) = (self.side.axis(), 1 - self.side.axis(), self.side.inward());
+        self.forces.clear();
+        for (grip, s) in self.grips.iter().zip(nodes.side(self.side)) {
+            let slot = *s as usize;
+            if matches!(grip.contact, Contact::Away | Contact::Open) {
+                continue;
+            }
+            if system.hold(slot, n, 0.0) {
+                self.forces.push((*s, n as u8, 1.0));
+            }
+            let limit = if inward * system.reaction(slot, n) > 0.0 { self.coefficient } else { 0.0 };
+            if grip.contact == Contact::Stick {
+                if system.hold(slot, t, 0.0) {
+                    self.forces.push((*s, t as u8, 1.0));
+                }
+            } else if !system.is_held(slot, t) {
+                system.slide(slot, t, n, -grip.sign * limit * inward);
+                self.forces.push((*s, t as u8, grip.sign * limit * inward));
+            }
         }
     }
 
@@ -177,6 +275,39 @@ impl Effect for Friction {
         match pass {
             Pass::Update => self.update(nodes, clock.dt),
             Pass::Remap => self.remap(nodes),
+        }
+    }
+
+    fn hold(&mut self, nodes: &Nodes, _: Clock, system: &mut System, iteration: u32) -> u32 {
+        let mut changed = 0;
+        if iteration == 0 {
+            self.begin_grips(nodes);
+        } else {
+            for k in 0..self.grips.len() {
+                let grip = self.grips[k];
+                if grip.changes < MOST_CHANGES {
+                    self.grips[k] = self.revise(grip, nodes.side(self.side)[k] as usize, system);
+                    changed += u32::from(self.grips[k].contact != grip.contact);
+                }
+            }
+        }
+        self.apply(nodes, system);
+        changed
+    }
+
+    fn settle(&mut self, nodes: &Nodes, clock: Clock, system: &System) {
+        let normal = self.side.axis();
+        for (slot, axis, factor) in &self.forces {
+            let (slot, axis) = (*slot as usize, usize::from(*axis));
+            // a sliding node is rubbed by a share of what presses on it
+            let source = if system.is_held(slot, axis) { axis } else { normal };
+            let force = factor * system.reaction(slot, source);
+            self.ledger.step.impulse[axis] += force * clock.dt;
+            self.ledger.step.dissipated -= force * system.du[axis][slot];
+        }
+        for k in 0..self.grips.len() {
+            let along = self.along(nodes, nodes.side(self.side)[k] as usize);
+            self.memory[along] = Grip { changes: 0, ..self.grips[k] };
         }
     }
 

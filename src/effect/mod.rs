@@ -4,14 +4,16 @@
 pub mod damping;
 pub mod friction;
 pub mod gravity;
+pub mod inertia;
 pub mod support;
 
 pub use damping::{LocalDamping, ViscousDamping};
 pub use friction::Friction;
 pub use gravity::{Gravity, Schedule};
+pub use inertia::{Inertia, TimeScheme};
 pub use support::Support;
 
-use crate::{body::Body, nodes::Nodes, space::Grid};
+use crate::{body::Body, nodes::Nodes, space::Grid, system::System};
 
 /// Where a step stands in time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -39,6 +41,8 @@ pub struct Stages {
     pub force: bool,
     pub constrain: bool,
     pub account: bool,
+    /// Implicit scheme: adds to residual and tangent itself, in place of `force`.
+    pub residual: bool,
 }
 
 /// Running totals of what an effect has done to the body, per metre of thickness.
@@ -123,6 +127,19 @@ pub trait Effect: Send {
 
     /// Reads the final nodal velocity for its energy.
     fn account(&mut self, _nodes: &Nodes, _clock: Clock) {}
+
+    /// Implicit scheme: adds to the residual, and with `tangent` to the tangent, at the present
+    /// increment.
+    fn residual(&mut self, _nodes: &Nodes, _clock: Clock, _system: &mut System, _tangent: bool) {}
+
+    /// Implicit scheme, in place of `constrain`: holds unknowns, or lets them slide. `iteration`
+    /// counts from 0 in each step. Returns how many of its choices have changed.
+    fn hold(&mut self, _nodes: &Nodes, _clock: Clock, _system: &mut System, _iteration: u32) -> u32 {
+        0
+    }
+
+    /// Implicit scheme: the step has converged; books what holding has done.
+    fn settle(&mut self, _nodes: &Nodes, _clock: Clock, _system: &System) {}
 
     /// Its books.
     fn ledger(&self) -> &Ledger;

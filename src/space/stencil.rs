@@ -18,6 +18,7 @@ pub struct Run {
 
 /// Weights and gradients of `N` nodes for each point, and the runs of points with equal nodes.
 #[repr(align(64))]
+#[derive(Clone)]
 pub struct Stencil<const N: usize> {
     /// N_k(x_p).
     pub weight: [Lane; N],

@@ -2,6 +2,9 @@
 
 pub mod control;
 pub mod explicit;
+pub mod implicit;
+
+use serde::Serialize;
 
 use crate::{
     body::Body,
@@ -23,6 +26,24 @@ pub struct Books {
     pub damping: f64,
 }
 
+/// What the last step of an integrator that iterates took.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Report {
+    pub iterations: u32,
+    /// Out-of-balance force at the end (kN/m).
+    pub residual: f64,
+    /// Observed order of convergence, where it can be told.
+    pub order: Option<f64>,
+}
+
+/// Something that happened once, and that the record tells.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Event {
+    pub time_s: f64,
+    pub kind: &'static str,
+    pub why: String,
+}
+
 /// Advances a body in time.
 pub trait Integrator: Send {
     /// Largest stable time step (s) with its safety factor; `None` where there is no limit.
@@ -39,4 +60,19 @@ pub trait Integrator: Send {
 
     /// Bytes held by grid and nodes.
     fn bytes(&self) -> usize;
+
+    /// What the last step took.
+    fn report(&self) -> Report {
+        Report::default()
+    }
+
+    /// What happened so far.
+    fn events(&self) -> &[Event] {
+        &[]
+    }
+
+    /// By what factor the next step may be longer or should be shorter than the last.
+    fn growth(&self) -> f64 {
+        1.0
+    }
 }

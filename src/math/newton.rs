@@ -1,0 +1,119 @@
+//! When Newton's iteration has converged, and when it is not worth going on.
+
+/// What is asked of the iteration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerances {
+    /// |r| <= `relative` x scale, the scale being that of the forces in balance.
+    pub relative: f64,
+    /// |r| <= `absolute` (same unit as r) is enough whatever the scale.
+    pub absolute: f64,
+    /// Most iterations.
+    pub max_iterations: u32,
+}
+
+/// What to do after an iteration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Verdict {
+    Converged,
+    Continue,
+    /// Not a number, far worse than at the start, or no better for several iterations.
+    GiveUp,
+}
+
+/// Iterations without a new best residual after which there is no hope.
+const PATIENCE: usize = 5;
+/// Growth of the residual over its first value that counts as divergence.
+const BLOWN_UP: f64 = 1e6;
+
+/// The residuals of one step.
+#[derive(Clone, Debug)]
+pub struct Convergence {
+    tolerances: Tolerances,
+    history: Vec<f64>,
+    best: (usize, f64),
+}
+
+impl Convergence {
+    /// For steps with these tolerances.
+    pub fn new(tolerances: Tolerances) -> Self {
+        let history = Vec::with_capacity(tolerances.max_iterations as usize + 2);
+        Convergence { tolerances, history, best: (0, f64::INFINITY) }
+    }
+
+    /// Forgets the last step.
+    pub fn begin(&mut self) {
+        self.history.clear();
+        self.best = (0, f64::INFINITY);
+    }
+
+    /// Notes a residual and the scale of the forces that should balance.
+    pub fn note(&mut self, residual: f64, scale: f64) -> Verdict {
+        let k = self.history.len();
+        self.history.push(residual);
+        if residual <= (self.tolerances.relative * scale).max(self.tolerances.absolute) {
+            return Verdict::Converged;
+        }
+        if residual < self.best.1 {
+            self.best = (k, residual);
+        }
+        let first = self.history[0].max(scale);
+        let hopeless = !residual.is_finite() || residual > BLOWN_UP * first || k - self.best.0 >= PATIENCE;
+        let spent = k >= self.tolerances.max_iterations as usize;
+        if hopeless || spent { Verdict::GiveUp } else { Verdict::Continue }
+    }
+
+    /// Iterations done: residuals noted after the first.
+    pub fn iterations(&self) -> u32 {
+        self.history.len().saturating_sub(1) as u32
+    }
+
+    /// The last residual.
+    pub fn residual(&self) -> f64 {
+        self.history.last().copied().unwrap_or(0.0)
+    }
+
+    /// All residuals of the step.
+    pub fn residuals(&self) -> &[f64] {
+        &self.history
+    }
+
+    /// Order of convergence ln(r2 / r1) / ln(r1 / r0) from the last three residuals above
+    /// `floor`; `None` with fewer.
+    pub fn order(&self, floor: f64) -> Option<f64> {
+        observed_order(&self.history, floor)
+    }
+}
+
+/// As [`Convergence::order`], for any sequence.
+pub fn observed_order(residuals: &[f64], floor: f64) -> Option<f64> {
+    let above = residuals.iter().take_while(|r| **r > floor).count();
+    let [a, b, c] = residuals.get(above.checked_sub(3)?..above)? else { return None };
+    (b < a && c < b).then(|| (c / b).ln() / (b / a).ln())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TOLERANCES: Tolerances = Tolerances { relative: 1e-9, absolute: 0.0, max_iterations: 12 };
+
+    #[test]
+    fn quadratic_convergence_is_seen() {
+        let mut c = Convergence::new(TOLERANCES);
+        let verdicts: Vec<_> = [1.0, 1e-2, 1e-4, 1e-8, 1e-16].map(|r| c.note(r, 1.0)).to_vec();
+        assert_eq!(verdicts.last(), Some(&Verdict::Converged));
+        assert_eq!(c.iterations(), 4);
+        assert!((c.order(1e-12).unwrap() - 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn hopeless_iterations_end_early() {
+        let run = |f: &dyn Fn(usize) -> f64| {
+            let mut c = Convergence::new(Tolerances { max_iterations: 50, ..TOLERANCES });
+            (0..60).find(|&k| c.note(f(k), 1.0) == Verdict::GiveUp)
+        };
+        assert_eq!(run(&|k| if k < 3 { 1.0 / (k + 1) as f64 } else { 0.5 }), Some(7));
+        assert_eq!(run(&|k| if k == 2 { f64::NAN } else { 0.5 }), Some(2));
+        assert_eq!(run(&|k| 0.9f64.powi(k as i32)), Some(50));
+    }
+}

@@ -1,0 +1,481 @@
+//! The implicit integrator: increments of the nodes by Newton's method, with or without inertia.
+
+use crate::{
+    assembly::{
+        Scatter, Scratch,
+        response::{Keep, Kept, Respond},
+    },
+    body::{Body, chunks},
+    effect::{
+        Clock, Effect, Inertia, Sink, TimeScheme,
+        inertia::Weights,
+    },
+    fault::{Fault, FaultKind},
+    math::{
+        linear::{Options, Solver},
+        newton::{Convergence, Tolerances, Verdict},
+        simd::FpPath,
+        sparse::Change,
+    },
+    nodes::Nodes,
+    space::{Grid, Shape},
+    step::{Books, Event, Integrator, Report},
+    system::System,
+    transfer::Carry,
+    work::Work,
+};
+
+/// With or without inertia.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Regime {
+    QuasiStatic,
+    /// Inertia throughout.
+    Dynamic(TimeScheme),
+    /// Quasi-static until the body loses its stability, then with inertia.
+    Auto(TimeScheme),
+}
+
+/// Settings of the implicit integrator.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    pub regime: Regime,
+    pub tolerances: Tolerances,
+    pub line_search: bool,
+    /// Rate of PIC (1/s).
+    pub pic_rate: f64,
+    pub solver: Options,
+}
+
+/// The integrator for shapes with `N` nodes a point.
+pub struct Implicit<S, const N: usize> {
+    shape: S,
+    settings: Settings,
+    nodes: Nodes,
+    scratch: Box<Scratch<N>>,
+    kept: Kept<N>,
+    system: System,
+    solver: Solver,
+    convergence: Convergence,
+    inertia: Option<Inertia>,
+    effects: Vec<Box<dyn Effect>>,
+    /// Internal force at the start of the step (kN/m), where the scheme needs it.
+    start_force: [Vec<f64>; 2],
+    plastic: f64,
+    path: FpPath,
+    filled: bool,
+    runs_when_sorted: u64,
+    kinetic: f64,
+    /// Failures in a row while quasi-static.
+    failures: u32,
+    events: Vec<Event>,
+    report: Report,
+}
+
+/// Failed steps in a row, each half as long as the one before, after which a quasi-static body is
+/// taken to have lost its stability.
+const STUBBORN: u32 = 3;
+
+/// Shares of a correction that the line search tries.
+const SHARES: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
+
+impl<S: Shape<N>, const N: usize> Implicit<S, N> {
+    /// An integrator on `grid` with the effects in the order in which they act.
+    pub fn new(shape: S, grid: Grid, settings: Settings, effects: Vec<Box<dyn Effect>>) -> Self {
+        let inertia = match settings.regime {
+            Regime::Dynamic(scheme) => Some(Inertia::new(scheme)),
+            Regime::QuasiStatic | Regime::Auto(_) => None,
+        };
+        Implicit {
+            shape,
+            settings,
+            nodes: Nodes::new(grid),
+            scratch: Box::default(),
+            kept: Kept::new::<S>(),
+            system: System::default(),
+            solver: Solver::new(settings.solver),
+            convergence: Convergence::new(settings.tolerances),
+            inertia,
+            effects,
+            start_force: Default::default(),
+            plastic: 0.0,
+            path: FpPath::best(),
+            filled: false,
+            runs_when_sorted: 0,
+            kinetic: 0.0,
+            failures: 0,
+            events: Vec::new(),
+            report: Report::default(),
+        }
+    }
+
+    fn try_step(&mut self, body: &mut Body, clock: Clock, work: &mut Work) -> Result<(), Fault> {
+        let weights = self.inertia.as_ref().map(|i| i.scheme.weights(clock.dt));
+        self.place(body, work);
+        self.start(body, clock, weights)?;
+        let plastic = self.iterate(body, clock, weights, work)?;
+        self.carry(body, clock, weights)?;
+        self.settle(body, clock, weights);
+        self.commit(body, plastic, work);
+        Ok(())
+    }
+
+    /// Stencils, masses and structure of the step. In small strain they stay as they were.
+    fn place(&mut self, body: &Body, work: &mut Work) {
+        let finite = body.groups.iter().any(|g| g.law.finite());
+        if finite || !self.filled {
+            self.nodes.begin();
+            let Implicit { scratch, nodes, kept, system, path, shape, .. } = self;
+            let shape = *shape;
+            path.run(Scatter { scratch: scratch.as_mut(), body, nodes, shape });
+            system.begin(nodes.count);
+            path.run(Keep { scratch: scratch.as_mut(), body, nodes, kept, system, shape });
+            let change = system.adopt(nodes.grid.row(), &nodes.id[..nodes.count], true);
+            work.patterns += u64::from(change == Change::Rebuilt);
+            self.filled = true;
+        } else {
+            self.system.begin(self.nodes.count);
+        }
+    }
+
+    /// Velocities and loads at the start, and the first guess: dt v0 with inertia, 0 without.
+    fn start(&mut self, body: &mut Body, clock: Clock, weights: Option<Weights>) -> Result<(), Fault> {
+        let grid = self.nodes.grid;
+        for effect in &mut self.effects {
+            effect.ledger_mut().begin();
+            if effect.stages().survey {
+                effect.survey(body, &grid);
+            }
+        }
+        self.load(clock, weights);
+        self.convergence.begin();
+        let Some(w) = weights else { return Ok(()) };
+        self.map_velocity();
+        if w.w1 < 1.0 {
+            self.respond(body, false)?;
+            for axis in 0..2 {
+                self.start_force[axis].clone_from(&self.system.residual[axis]);
+            }
+        }
+        for axis in 0..2 {
+            let velocity = self.nodes.old_velocity[axis][..self.nodes.count].iter();
+            self.system.du[axis].iter_mut().zip(velocity).for_each(|(du, v)| *du = clock.dt * v);
+        }
+        Ok(())
+    }
+
+    /// External forces on the nodes, at t + w1 dt.
+    fn load(&mut self, clock: Clock, weights: Option<Weights>) {
+        let n = self.nodes.count;
+        self.nodes.force.iter_mut().for_each(|f| f[..n].fill(0.0));
+        let instant = instant(clock, weights);
+        for effect in &mut self.effects {
+            if effect.stages().force && !effect.stages().residual {
+                effect.force(&mut self.nodes, instant);
+            }
+        }
+    }
+
+    fn map_velocity(&mut self) {
+        let Nodes { old_velocity, momentum, mass, count, .. } = &mut self.nodes;
+        for axis in 0..2 {
+            for (v, (p, m)) in old_velocity[axis][..*count].iter_mut().zip(momentum[axis].iter().zip(mass.iter())) {
+                *v = if *m > 0.0 { p / m } else { 0.0 };
+            }
+        }
+    }
+
+    /// Newton's iteration to convergence; the plastic work of the step (kJ/m).
+    fn iterate(
+        &mut self,
+        body: &mut Body,
+        clock: Clock,
+        weights: Option<Weights>,
+        work: &mut Work,
+    ) -> Result<f64, Fault> {
+        let mut positive = true;
+        let (mut plastic, mut residual) = match self.evaluate(body, clock, weights, 0) {
+            Ok(found) => found,
+            Err(_) if weights.is_some() => {
+                // the velocities of the start were too bold a guess
+                self.system.du.iter_mut().for_each(|d| d.fill(0.0));
+                self.evaluate(body, clock, weights, 0)?
+            }
+            Err(fault) => return Err(fault),
+        };
+        loop {
+            let settled = residual.changes == 0 && self.system.gap() == 0.0;
+            match self.convergence.note(residual.norm, residual.scale) {
+                Verdict::Converged if settled => break,
+                Verdict::GiveUp => return Err(self.diverged(&residual)),
+                Verdict::Converged | Verdict::Continue => {}
+            }
+            let solution = self.system.solve(&mut self.solver, work)?;
+            positive = solution.positive.unwrap_or(true);
+            work.newton_iterations += 1;
+            (plastic, residual) = self.advance(body, clock, weights, &residual, work)?;
+        }
+        self.note_stability(positive)?;
+        Ok(plastic)
+    }
+
+    /// Goes along the correction, as far as the residual allows.
+    fn advance(
+        &mut self,
+        body: &mut Body,
+        clock: Clock,
+        weights: Option<Weights>,
+        before: &Residual,
+        work: &mut Work,
+    ) -> Result<(f64, Residual), Fault> {
+        let jump = self.system.gap() > 0.0;
+        let iteration = self.convergence.iterations() + 1;
+        let mut done = 0.0;
+        let mut last = None;
+        for share in SHARES {
+            self.system.advance(share - done);
+            done = share;
+            match self.evaluate(body, clock, weights, iteration) {
+                Ok(found) => {
+                    let better = found.1.norm <= before.norm || found.1.changes > 0;
+                    if better || jump || !self.settings.line_search {
+                        return Ok(found);
+                    }
+                    last = Some(Ok(found));
+                }
+                Err(fault) => last = Some(Err(fault)),
+            }
+            work.line_searches += 1;
+        }
+        // no share makes it smaller: Newton's own step is as good as any
+        if matches!(last, Some(Ok(_))) {
+            self.system.advance(1.0 - done);
+            return self.evaluate(body, clock, weights, iteration);
+        }
+        last.unwrap_or_else(|| Err(Fault::new(FaultKind::NewtonDiverged)))
+    }
+
+    /// Internal force, and tangent, at the present increment; the plastic work (kJ/m).
+    fn respond(&mut self, body: &mut Body, tangent: bool) -> Result<f64, Fault> {
+        self.system.clear(tangent);
+        let Implicit { scratch, kept, system, path, shape, .. } = self;
+        path.run(Respond { scratch: scratch.as_mut(), body, kept, system, tangent, shape: *shape })
+    }
+
+    /// Residual and tangent at the present increment, with what supports and contacts make of it.
+    fn evaluate(
+        &mut self,
+        body: &mut Body,
+        clock: Clock,
+        weights: Option<Weights>,
+        iteration: u32,
+    ) -> Result<(f64, Residual), Fault> {
+        let plastic = self.respond(body, true)?;
+        let mut scale = norm(&self.system.residual);
+        if let Some((w, inertia)) = weights.zip(self.inertia.as_mut()) {
+            weigh(&mut self.system, &self.start_force, w.w1);
+            inertia.add(&self.nodes, &mut self.system, &w, true);
+            scale = scale.max(inertia.norm);
+        }
+        for axis in 0..2 {
+            let residual = self.system.residual[axis].iter_mut();
+            residual.zip(&self.nodes.force[axis]).for_each(|(r, f)| *r -= f);
+        }
+        let Implicit { effects, nodes, system, .. } = self;
+        for effect in effects.iter_mut().filter(|e| e.stages().residual) {
+            effect.residual(nodes, clock, system, true);
+        }
+        system.release();
+        let holding = effects.iter_mut().filter(|e| e.stages().constrain);
+        let changes = holding.map(|e| e.hold(nodes, clock, system, iteration)).sum();
+        let norms = system.norms();
+        let loads = self.nodes.force.iter().flat_map(|f| &f[..self.nodes.count]).map(|f| f * f).sum::<f64>();
+        let scale = scale.max(norms.reaction).max(loads.sqrt());
+        Ok((plastic, Residual { norm: norms.residual, scale, changes }))
+    }
+
+    fn diverged(&self, residual: &Residual) -> Fault {
+        Fault::new(FaultKind::NewtonDiverged)
+            .with("iterations", f64::from(self.convergence.iterations()))
+            .with("residual_kn", residual.norm)
+            .with("relative_residual", residual.norm / residual.scale)
+            .with("contact_changes", f64::from(residual.changes))
+    }
+
+    /// A quasi-static state whose tangent is not positive is no stable equilibrium.
+    fn note_stability(&mut self, positive: bool) -> Result<(), Fault> {
+        if positive || self.inertia.is_some() || !matches!(self.settings.regime, Regime::Auto(_)) {
+            return Ok(());
+        }
+        Err(Fault::new(FaultKind::Unstable))
+    }
+
+    /// Moves the points, and gives them their velocities.
+    fn carry(&mut self, body: &mut Body, clock: Clock, weights: Option<Weights>) -> Result<(), Fault> {
+        if let Some((w, inertia)) = weights.zip(self.inertia.as_mut()) {
+            inertia.finish(&mut self.nodes, &self.system, &w);
+        }
+        let pic = -(-self.settings.pic_rate * clock.dt).exp_m1();
+        let moving = weights.is_some();
+        let Implicit { scratch, nodes, kept, system, path, shape, .. } = self;
+        let shape = *shape;
+        path.run(Carry { scratch: scratch.as_mut(), body, nodes, kept, system, moving, pic, shape })
+    }
+
+    /// The books of the effects.
+    fn settle(&mut self, body: &Body, clock: Clock, weights: Option<Weights>) {
+        let Implicit { effects, nodes, system, .. } = self;
+        let _ = body;
+        self.kinetic = if weights.is_some() { nodes.kinetic_energy() } else { 0.0 };
+        // what is booked from velocities is booked from the mean velocity of the step
+        let n = nodes.count;
+        for axis in 0..2 {
+            let mean = nodes.velocity[axis][..n].iter_mut().zip(&system.du[axis]);
+            mean.for_each(|(v, du)| *v = du / clock.dt);
+        }
+        let instant = instant(clock, weights);
+        for effect in effects.iter_mut() {
+            if effect.stages().account {
+                effect.account(nodes, instant);
+            }
+            effect.settle(nodes, clock, system);
+        }
+    }
+
+    fn commit(&mut self, body: &mut Body, plastic: f64, work: &mut Work) {
+        body.commit();
+        self.effects.iter_mut().for_each(|e| e.ledger_mut().commit());
+        self.plastic += plastic;
+        self.failures = 0;
+        self.report = Report {
+            iterations: self.convergence.iterations(),
+            residual: self.convergence.residual(),
+            order: self.convergence.order(ORDER_FLOOR),
+        };
+        let blocks: u64 = body.groups.iter().map(|g| chunks(g.range.clone()).count() as u64).sum();
+        work.steps += 1;
+        work.particle_steps += body.len() as u64;
+        work.law_blocks += blocks * u64::from(self.convergence.iterations() + 1);
+        let (growths, high) = self.nodes.growth();
+        work.node_growths = growths;
+        work.max_active_nodes = high as u64;
+        self.keep_sorted(body, work);
+    }
+
+    /// Puts the points back in cell order when too many runs of equal nodes have been broken. In
+    /// small strain they stay where they are.
+    fn keep_sorted(&mut self, body: &mut Body, work: &mut Work) {
+        if !body.groups.iter().any(|g| g.law.finite()) {
+            return;
+        }
+        let runs = self.scratch.runs.len() as u64;
+        if self.runs_when_sorted == 0 {
+            self.runs_when_sorted = runs;
+        } else if runs > self.runs_when_sorted + self.runs_when_sorted / 4 + 8 {
+            body.sort(&self.nodes.grid);
+            self.runs_when_sorted = 0;
+            work.sorts += 1;
+        }
+    }
+
+    /// Brings inertia in where a quasi-static body has lost its stability. Whether it did.
+    fn lose_stability(&mut self, fault: &Fault, clock: Clock) -> bool {
+        let Regime::Auto(scheme) = self.settings.regime else { return false };
+        if self.inertia.is_some() {
+            return false;
+        }
+        self.failures += 1;
+        let unstable = fault.kind == FaultKind::Unstable;
+        if !unstable && self.failures < STUBBORN {
+            return false;
+        }
+        let why = if unstable { "the tangent is not positive definite" } else { "Newton's iteration fails" };
+        self.events.push(Event { time_s: clock.time, kind: "stability_lost", why: why.to_owned() });
+        self.events.push(Event { time_s: clock.time, kind: "inertia_on", why: format!("{scheme:?}") });
+        self.inertia = Some(Inertia::new(scheme));
+        true
+    }
+}
+
+/// Residual above which convergence is judged for its order.
+const ORDER_FLOOR: f64 = 1e-12;
+
+/// How far from balance an increment is.
+#[derive(Clone, Copy, Debug)]
+struct Residual {
+    /// |r| over the free unknowns (kN/m).
+    norm: f64,
+    /// Size of the forces that should balance (kN/m).
+    scale: f64,
+    /// Contacts that have changed their mind.
+    changes: u32,
+}
+
+/// The step as the effects see it whose force is taken at the middle of a step: its middle is at
+/// t + w1 dt.
+fn instant(clock: Clock, weights: Option<Weights>) -> Clock {
+    let w1 = weights.map_or(1.0, |w| w.w1);
+    Clock { time: clock.time + (w1 - 0.5) * clock.dt, ..clock }
+}
+
+/// r = w1 r + (1 - w1) r_start, K = w1 K.
+fn weigh(system: &mut System, start: &[Vec<f64>; 2], w1: f64) {
+    if w1 == 1.0 {
+        return;
+    }
+    for axis in 0..2 {
+        system.residual[axis].iter_mut().zip(&start[axis]).for_each(|(r, s)| *r = w1 * *r + (1.0 - w1) * s);
+    }
+    system.values.iter_mut().for_each(|v| *v *= w1);
+}
+
+fn norm(columns: &[Vec<f64>; 2]) -> f64 {
+    columns.iter().flatten().map(|v| v * v).sum::<f64>().sqrt()
+}
+
+impl<S: Shape<N>, const N: usize> Integrator for Implicit<S, N> {
+    fn stable_dt(&mut self, _: &Body) -> Option<f64> {
+        None
+    }
+
+    fn step(&mut self, body: &mut Body, clock: Clock, work: &mut Work) -> Result<(), Fault> {
+        let result = self.try_step(body, clock, work);
+        match result {
+            Err(fault) if self.lose_stability(&fault, clock) => {
+                work.rejected_steps += 1;
+                self.try_step(body, clock, work)
+            }
+            other => other,
+        }
+    }
+
+    fn nodal_kinetic_energy(&self) -> f64 {
+        self.kinetic
+    }
+
+    fn books(&self) -> Books {
+        let mut books = Books { plastic: self.plastic, ..Books::default() };
+        for effect in &self.effects {
+            let totals = effect.ledger().totals();
+            books.effects.add(&totals);
+            match effect.sink() {
+                Sink::Friction => books.friction += totals.dissipated,
+                Sink::Damping => books.damping += totals.dissipated,
+                Sink::None => {}
+            }
+        }
+        books
+    }
+
+    fn bytes(&self) -> usize {
+        let nodes = 4 * self.nodes.grid.nodes() + 13 * 8 * self.nodes.id.capacity();
+        nodes + self.kept.bytes() + self.system.bytes() + self.solver.bytes()
+    }
+
+    fn report(&self) -> Report {
+        self.report
+    }
+
+    fn events(&self) -> &[Event] {
+        &self.events
+    }
+}
