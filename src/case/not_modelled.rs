@@ -35,9 +35,19 @@ const ABSENT: &[Absent] = &[
         instead: "give undrained strengths and total unit weights",
     },
     Absent {
-        words: &["surcharge", "load", "loads", "line_load", "point_load", "traction", "pressure", "force", "footing"],
-        why: "rmpm has no loads but gravity, initial stress and initial motion",
-        instead: "a surcharge can be a region of soil with its weight",
+        words: &["surcharge", "traction", "pressure", "line_load"],
+        why: "rmpm has no pressure on a surface: a load is a force on the soil of a box",
+        instead: "a surcharge can be a region of soil with its weight, or a `[[load]]` on the points below the surface",
+    },
+    Absent {
+        words: &["loads", "point_load", "force", "forces"],
+        why: "a force acts on the points that start in a box, shared by their volumes",
+        instead: "write [[load]] with `box` and `force`",
+    },
+    Absent {
+        words: &["footing", "plate", "drives", "displacement", "prescribed_displacement", "prescribed_velocity"],
+        why: "what moves the soil is a box whose grid nodes have a given velocity",
+        instead: "write [[drive]] with `box`, `velocity_x` and `velocity_y`",
     },
     Absent {
         words: &[
@@ -81,18 +91,11 @@ const ABSENT: &[Absent] = &[
 ];
 
 /// What is planned but not there.
-const LATER: &[Absent] = &[
-    Absent {
-        words: &["implicit", "newmark", "quasi_static"],
-        why: "the scheme is explicit",
-        instead: "use scheme = \"explicit\"",
-    },
-    Absent {
-        words: &["field", "random_field", "correlation_length", "coefficient_of_variation"],
-        why: "strengths are uniform in each material",
-        instead: "a tiny random change of strength is `jitter.strength`",
-    },
-];
+const LATER: &[Absent] = &[Absent {
+    words: &["field", "random_field", "correlation_length", "coefficient_of_variation"],
+    why: "strengths are uniform in each material",
+    instead: "a tiny random change of strength is `jitter.strength`",
+}];
 
 /// The refusal for a word that names something left out.
 pub(super) fn problem(word: &str) -> Option<Problem> {

@@ -130,7 +130,7 @@ fn unfold(node: &mut Node) {
 
 fn set_item(items: &mut [Node], above: &Part, rest: &[Part], value: Node) -> Result<(), Stop> {
     let Some((first, below)) = rest.split_first() else { return Ok(()) };
-    let names: Vec<_> = items.iter().enumerate().map(|(k, item)| item_name(item, k)).collect();
+    let names: Vec<_> = items.iter().enumerate().map(|(k, item)| item_name(&above.name, item, k)).collect();
     let index = match first.name.parse::<usize>() {
         Ok(index) => Some(index),
         Err(_) => names.iter().position(|name| *name == first.name),
@@ -155,11 +155,11 @@ fn no_item(above: &Part, wanted: &Part, names: &[String]) -> Problem {
     Problem::new(message, label).help_if(help)
 }
 
-/// The name of a region: its key `name`, or its number.
-fn item_name(item: &Node, index: usize) -> String {
+/// The name of a region, a load or a drive: its key `name`, or its number.
+fn item_name(list: &str, item: &Node, index: usize) -> String {
     let Value::Table(table) = &item.value else { return String::new() };
     match table.get("name").map(|entry| &entry.node.value) {
         Some(Value::Text(name)) => name.clone(),
-        _ => super::section::region::default_name(index),
+        _ => super::section::default_name(list, index),
     }
 }

@@ -44,6 +44,8 @@ fn keys_left_out_have_the_documented_defaults() {
     let explicit =
         Explicit { stress_update: StressUpdate::Musl, pic_rate: 0.5, courant: 0.25, time_step: None, mass_floor: 0.0 };
     assert_eq!(case.explicit, explicit);
+    let solver = Solver { scheme: Scheme::Explicit, kinematics: Kinematics::Hencky, locking: Locking::None };
+    assert_eq!((case.solver, case.load, case.drive), (solver, vec![], vec![]));
     assert_eq!(case.gravity.schedule, GravitySchedule::Ramp { ramp_time: 5.0 });
     assert_eq!(case.output, Output { history: 0.05, frames: 0.25, pictures: vec![] });
     assert_eq!((case.end.at_rest, case.end.rest_energy, case.end.rest_hold), (true, 1e-3, 4.0));
@@ -53,6 +55,88 @@ fn keys_left_out_have_the_documented_defaults() {
     };
     assert_eq!((strength.residual_cohesion, strength.yield_constant), (20.0, 3f64.sqrt()));
     assert_eq!(case.region[0].name, "region 1");
+}
+
+#[test]
+fn the_implicit_keys_have_the_documented_defaults() {
+    let implicit = Implicit {
+        regime: Regime::Auto { inertia: Inertia::Newmark },
+        time_step: 0.02,
+        min_time_step: 0.02 / 1024.0,
+        max_time_step: 0.02,
+        tolerance: None,
+        residual: 1e-9,
+        absolute_residual: None,
+        max_iterations: 12,
+        line_search: true,
+        pic_rate: 0.5,
+        ordering: Ordering::Auto,
+        unsymmetric: Unsymmetric::Auto,
+        ghost_stiffness: 0.0,
+        ghost_mass: 0.0,
+    };
+    assert_eq!(with(&[]).expect("a valid case").implicit, implicit);
+}
+
+#[test]
+fn the_bounds_of_the_implicit_step_follow_it() {
+    let steps = |keys: &[&str]| with(keys).map(|c| (c.implicit.min_time_step, c.implicit.max_time_step));
+    assert_eq!(steps(&["implicit.time_step=0.1"]), Ok((0.1 / 1024.0, 0.1)));
+    let keys = ["implicit.time_step=0.1", "implicit.min_time_step=0.1", "implicit.max_time_step=1"];
+    assert_eq!(steps(&keys), Ok((0.1, 1.0)));
+    let long = steps(&["implicit.max_time_step=0.01"]).expect_err("shorter than the first step");
+    assert!(long.contains("must be at least 0.02 s"), "{long}");
+}
+
+#[test]
+fn hht_alpha_belongs_to_hht() {
+    let regime = |keys: &[&str]| with(keys).map(|c| c.implicit.regime);
+    assert_eq!(regime(&["implicit.regime=hht"]), Ok(Regime::Hht { hht_alpha: 0.1 }));
+    let inertia = Inertia::Hht { hht_alpha: 0.2 };
+    assert_eq!(regime(&["implicit.inertia=hht", "implicit.hht_alpha=0.2"]), Ok(Regime::Auto { inertia }));
+    assert!(regime(&["implicit.hht_alpha=0.2"]).expect_err("newmark").contains("a key of inertia \"hht\""));
+    let still = regime(&["implicit.regime=quasi_static", "implicit.inertia=newmark"]);
+    assert!(still.expect_err("no inertia").contains("has no meaning with regime = \"quasi_static\""));
+    assert!(
+        regime(&["implicit.regime=hht", "implicit.hht_alpha=0.4"]).expect_err("too large").contains("out of range")
+    );
+    // of the file it lapses where an override chooses another integrator
+    let text = format!("{SMALL}[implicit]\nregime = \"hht\"\nhht_alpha = 0.2\n");
+    for set in ["implicit.regime=auto", "implicit.regime=newmark"] {
+        let (case, _) = read("case.toml", &text, &[set.to_owned()]).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(case.implicit.regime.inertia(), Some(Inertia::Newmark));
+    }
+}
+
+#[test]
+fn strain_measures_go_with_their_schemes() {
+    let kinematics = |keys: &[&str]| with(keys).map(|c| c.solver.kinematics);
+    let implicit = "solver.scheme=implicit";
+    assert_eq!(kinematics(&[implicit, "solver.kinematics=small"]), Ok(Kinematics::Small));
+    assert!(kinematics(&[implicit, "solver.kinematics=rate"]).expect_err("rate").contains("explicit only"));
+    assert!(kinematics(&["solver.kinematics=small"]).expect_err("small").contains("implicit only"));
+}
+
+#[test]
+fn loads_and_drives_go_by_name_or_number() {
+    let text = format!(
+        "{SMALL}[[load]]\nbox = [[0, 1], [2, 2]]\nforce = [0, -5]\n\
+         [[drive]]\nname = \"footing\"\nbox = [[0, 2], [1, 2]]\nvelocity_y = -0.1\n"
+    );
+    let sets = ["load.load 1.ramp_time=2", "drive.footing.until=3", "load.0.force=[1, 0]"].map(str::to_owned);
+    let (case, _) = read("case.toml", &text, &sets).unwrap_or_else(|e| panic!("{e}"));
+    let load = Load { name: "load 1".into(), area: [[0.0, 1.0], [2.0, 2.0]], force: [1.0, 0.0], ramp_time: 2.0 };
+    let drive = Drive {
+        name: "footing".into(),
+        area: [[0.0, 2.0], [1.0, 2.0]],
+        velocity_x: None,
+        velocity_y: Some(-0.1),
+        moving: true,
+        until: Some(3.0),
+    };
+    assert_eq!((&case.load[..], &case.drive[..]), (&[load][..], &[drive][..]));
+    let (again, _) = read("again", &case.to_toml(), &[]).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(case, again);
 }
 
 #[test]
@@ -91,14 +175,19 @@ fn every_variant_comes_back_from_its_resolved_text() {
         &["region.0.circle={center=[2,2], radius=1.5}", "region.0.spin={rate=1, center=[2,2]}"],
         &["boundary.base={kind=\"friction\", coefficient=0.3}", "boundary.left=roller"],
         &["region.0.name=\"a \\\"quoted\\\" name\"", "title='# [x]'", "slide.crest=[4, 2]"],
+        &["solver={scheme=\"implicit\", kinematics=\"small\", locking=\"b_bar\"}", "implicit.regime=quasi_static"],
+        &["implicit={inertia=\"hht\", hht_alpha=0.05, tolerance=1e-3, absolute_residual=1e-6, ordering=\"amd\"}"],
+        &["implicit={regime=\"hht\", time_step=0.1, max_time_step=1, unsymmetric=\"gmres\", ghost_stiffness=0.1}"],
+        &["implicit={regime=\"backward_euler\", line_search=false, ordering=\"nested_dissection\", ghost_mass=1}"],
         &["material.clay.law=elastic", "material.clay.density=1.7", "material.clay.cohesion=1"],
     ];
-    for overrides in &variants[..8] {
+    let last = variants.len() - 1;
+    for overrides in &variants[..last] {
         let case = with(overrides).unwrap_or_else(|e| panic!("{e}"));
         let (again, _) = read("again", &case.to_toml(), &[]).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(case, again);
     }
-    assert!(with(variants[8]).expect_err("no cohesion").contains("has no meaning"));
+    assert!(with(variants[last]).expect_err("no cohesion").contains("has no meaning"));
 }
 
 #[test]

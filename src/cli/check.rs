@@ -1,6 +1,10 @@
 //! `rmpm check`.
 
 use super::{Failure, exit::print, input::CaseArgs};
+use crate::{
+    case::{Case, Scheme},
+    scene::Scene,
+};
 
 #[derive(Debug, clap::Args)]
 pub struct Args {
@@ -11,8 +15,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let (case, _) = args.case.read()?;
     let mut scene = args.case.build(&case)?;
-    let stable = scene.simulation.stable_dt().unwrap_or(f64::NAN);
-    let dt = case.explicit.time_step.unwrap_or(stable);
+    let dt = first_step(&case, &mut scene);
     let mut text = format!("{}: sound\n  {}\n", args.case.case.display(), case.title);
     text += &format!(
         "  {} points in {} cells ({} cut), h = {} m\n",
@@ -28,4 +31,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         text += &format!("  note: {} (key `{}`)\n", w.text, w.key);
     }
     print(&text)
+}
+
+/// Length of the first time step (s).
+fn first_step(case: &Case, scene: &mut Scene) -> f64 {
+    match case.solver.scheme {
+        Scheme::Explicit => case.explicit.time_step.or_else(|| scene.simulation.stable_dt()).unwrap_or(f64::NAN),
+        Scheme::Implicit => case.implicit.time_step,
+    }
 }

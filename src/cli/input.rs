@@ -23,6 +23,9 @@ pub struct CaseArgs {
     /// Change a key for this run, e.g. --set material.clay.cohesion=18 (repeatable)
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub set: Vec<String>,
+    /// Integrator, short for --set solver.scheme=SCHEME: explicit or implicit
+    #[arg(long)]
+    pub scheme: Option<String>,
     /// Most memory a run may take, e.g. 500MB or 4GiB
     #[arg(long, value_name = "SIZE", default_value = "8GiB", value_parser = size)]
     pub max_memory: u64,
@@ -34,12 +37,19 @@ impl CaseArgs {
         let path = self.case.display().to_string();
         let text = read_text(&self.case)?;
         let color = std::io::stderr().is_terminal();
+        let overrides = self.overrides();
         let (case, warnings) =
-            case::read(&path, &text, &self.set).map_err(|errors| Failure::Input(errors.render(color)))?;
+            case::read(&path, &text, &overrides).map_err(|errors| Failure::Input(errors.render(color)))?;
         for warning in &warnings {
             eprintln!("{}\n", warning.render(color));
         }
-        Ok((case, Source { path, text, overrides: self.set.clone(), warnings }))
+        Ok((case, Source { path, text, overrides, warnings }))
+    }
+
+    /// What the options change, `--scheme` last.
+    pub fn overrides(&self) -> Vec<String> {
+        let scheme = self.scheme.iter().map(|s| format!("solver.scheme={s}"));
+        self.set.iter().cloned().chain(scheme).collect()
     }
 
     /// Builds the scene of a case.

@@ -27,9 +27,6 @@ pub struct Args {
     /// Folder for the results; out/<name of the case> without it
     #[arg(long, short)]
     out: Option<PathBuf>,
-    /// Integrator, in place of the case's `solver.scheme`
-    #[arg(long)]
-    scheme: Option<String>,
     /// Print {record, timing} as JSON on standard output, and nothing else there
     #[arg(long)]
     json: bool,
@@ -66,15 +63,14 @@ impl Observer for Watch {
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let mut input = CaseArgs { case: args.case.case.clone(), set: args.case.set.clone(), ..args.case };
-    input.set.extend(args.scheme.iter().map(|s| format!("solver.scheme={s}")));
+    let input = &args.case;
     let time_limit = args.time_limit.map(limit).transpose()?;
     let (case, source) = input.read()?;
     let mut phases = BTreeMap::new();
     let started = Instant::now();
     let mut scene = input.build(&case)?;
     phases.insert("setup".to_owned(), started.elapsed().as_secs_f64());
-    let out = args.out.clone().unwrap_or_else(|| default_out(&input));
+    let out = args.out.clone().unwrap_or_else(|| default_out(input));
     let write = |e: std::io::Error| Failure::io(&out.display().to_string(), &e);
     let folder = Folder::open(&out, &case.to_toml(), !args.no_frames).map_err(write)?;
     let mut watch = Watch { folder, progress: Progress::new(case.end.time, args.quiet) };

@@ -98,3 +98,12 @@ fn dilatation_is_a_part_of_the_strain() {
     dilate_changes_the_trace_alone::<Hencky>();
     dilate_changes_the_trace_alone::<Small>();
 }
+
+#[test]
+fn small_strain_adds_up_and_keeps_the_volume() {
+    let du = Gradient { xx: 0.5, xy: 0.25, yx: -0.125, yy: 0.0 };
+    let once = Small::trial(Voigt::default(), du);
+    assert_eq!(once.strain, Voigt::new(0.5, 0.0, 0.0, 0.0625));
+    assert_eq!(Small::trial(once.strain, du).strain, once.strain + once.strain);
+    assert_eq!(once.jacobian, 1.0);
+}

@@ -81,7 +81,9 @@ fn settle(case: &Case) -> Option<(f64, f64)> {
     }
 }
 
-/// Whether local damping acts at any time.
+/// Whether local damping acts at any time. It is a remedy of the explicit scheme: it needs the
+/// out-of-balance force, which the implicit scheme has brought to zero.
 pub fn has_local_damping(case: &Case) -> bool {
-    case.damping.local > 0.0 || settle(case).is_some_and(|(a, _)| a > 0.0)
+    let explicit = case.solver.scheme == case::Scheme::Explicit;
+    explicit && (case.damping.local > 0.0 || settle(case).is_some_and(|(a, _)| a > 0.0))
 }

@@ -5,7 +5,7 @@ use crate::{
     body::Column,
     case::{self, Case},
     field::stream::{Purpose, Stream},
-    kinematics::{Hencky, Rate, StrengthMeasure},
+    kinematics::{Hencky, Rate, Small, StrengthMeasure},
     material::{Columns, Elastic, Elasticity, Material, Strength, VonMises},
     math::{outline::Outline, tensor::Voigt},
 };
@@ -29,6 +29,7 @@ fn with_kinematics<M: Material>(m: M, measure: StrengthMeasure, kinematics: case
     match kinematics {
         case::Kinematics::Hencky => Box::new(PointLaw::<M, Hencky>::new(m, measure)),
         case::Kinematics::Rate => Box::new(PointLaw::<M, Rate>::new(m, measure)),
+        case::Kinematics::Small => Box::new(PointLaw::<M, Small>::new(m, measure)),
     }
 }
 

@@ -3,6 +3,7 @@
 mod effects;
 mod materials;
 mod notes;
+mod schemes;
 mod warnings;
 
 pub use notes::{EffectNote, explain};
@@ -18,10 +19,7 @@ use crate::{
     seed::{CutRule, Seeding, seed},
     sim::{InSitu, Simulation},
     space::{Grid, Linear, gauss},
-    step::{
-        control::Control,
-        explicit::{Explicit, Settings, StressUpdate},
-    },
+    step::{Integrator, control::Control, explicit::Explicit, implicit::Implicit},
 };
 
 /// A scene that cannot be built, with the key to change.
@@ -75,10 +73,11 @@ pub fn build(case: &Case, max_memory: u64) -> Result<Scene, SceneError> {
     check_inside(&grid, &seeding)?;
     check_regions(case, &seeding)?;
     check_initial_stress(case)?;
+    check_scheme(case)?;
     let body = body(case, &outlines, &seeding)?;
     let (in_situ, body) = in_situ(case, body);
-    let integrator = Explicit::new(Linear, grid, settings(case), effects::build(case));
-    let mut simulation = Simulation::new(body, Box::new(integrator), Control::new(case.explicit.time_step), in_situ);
+    let (integrator, control) = integrator(case, grid, &body);
+    let mut simulation = Simulation::new(body, integrator, control, in_situ);
     simulation.work.cells = seeding.cells;
     let warnings = warnings::list(case, &mut simulation);
     Ok(Scene {
@@ -168,16 +167,29 @@ fn check_initial_stress(case: &Case) -> Result<(), SceneError> {
     Ok(())
 }
 
-fn settings(case: &Case) -> Settings {
-    let e = &case.explicit;
-    Settings {
-        stress_update: match e.stress_update {
-            case::StressUpdate::Musl => StressUpdate::Musl,
-            case::StressUpdate::Usl => StressUpdate::Usl,
-        },
-        pic_rate: e.pic_rate,
-        courant: e.courant,
-        mass_floor: e.mass_floor,
+/// What the scheme of the case does not do.
+fn check_scheme(case: &Case) -> Result<(), SceneError> {
+    if case.solver.scheme == case::Scheme::Explicit && case.solver.locking == case::Locking::BBar {
+        return Err(refuse("solver.locking", "the explicit scheme has no cure for locking: use \"none\"".to_owned()));
+    }
+    let absent = [("load", case.load.is_empty()), ("drive", case.drive.is_empty())];
+    match absent.iter().find(|(_, none)| !none) {
+        Some((key, _)) => Err(refuse(key, format!("a {key} is read but not built yet"))),
+        None => Ok(()),
+    }
+}
+
+/// The integrator that the case asks for, and the control of its steps.
+fn integrator(case: &Case, grid: Grid, body: &Body) -> (Box<dyn Integrator>, Control) {
+    let effects = effects::build(case);
+    match case.solver.scheme {
+        case::Scheme::Explicit => {
+            (Box::new(Explicit::new(Linear, grid, schemes::explicit(case), effects)), Control::new(case.explicit.time_step))
+        }
+        case::Scheme::Implicit => {
+            let settings = schemes::implicit(case, body);
+            (Box::new(Implicit::new(Linear, grid, settings, effects)), schemes::control(&case.implicit))
+        }
     }
 }
 

@@ -26,7 +26,7 @@ pub fn list(case: &Case, simulation: &Simulation) -> Vec<EffectNote> {
     // nodal columns count per node; a slope has about one active node for its points per cell
     let node = 1.0 / (case.points.per_axis * case.points.per_axis) as f64;
     vec![
-        note("inertia", true, "solver.scheme = \"explicit\" integrates the equation of motion".into(), 80.0 * node),
+        inertia(case, node),
         finite_strain(case),
         plasticity(case),
         softening(case),
@@ -46,13 +46,51 @@ pub fn list(case: &Case, simulation: &Simulation) -> Vec<EffectNote> {
             ),
             0.0,
         ),
-        note("f_bar", false, "the explicit scheme has no cure for volumetric locking yet".into(), 0.0),
-        note("ghost_penalty", false, "a remedy of the implicit scheme; MUSL needs none".into(), 0.0),
+        note("f_bar", false, "the cure for volumetric locking is solver.locking = \"b_bar\"".into(), 0.0),
+        b_bar(case),
+        ghost_penalty(case),
     ]
 }
 
 fn note(name: &str, on: bool, why: String, bytes: f64) -> EffectNote {
     EffectNote { name: name.to_owned(), on, why, bytes_per_point: if on { bytes } else { 0.0 } }
+}
+
+fn inertia(case: &Case, node: f64) -> EffectNote {
+    let regime = case.implicit.regime;
+    match case.solver.scheme {
+        case::Scheme::Explicit => {
+            note("inertia", true, "solver.scheme = \"explicit\" integrates the equation of motion".into(), 80.0 * node)
+        }
+        case::Scheme::Implicit => {
+            let why = format!("implicit.regime = \"{}\"", regime.word());
+            note("inertia", regime.inertia().is_some(), why, 80.0 * node)
+        }
+    }
+}
+
+fn b_bar(case: &Case) -> EffectNote {
+    match case.solver.locking {
+        case::Locking::None => note("b_bar", false, "solver.locking = \"none\"".into(), 0.0),
+        case::Locking::BBar => {
+            note("b_bar", true, "solver.locking = \"b_bar\": mean dilatation over each cell".into(), 32.0)
+        }
+    }
+}
+
+fn ghost_penalty(case: &Case) -> EffectNote {
+    let i = &case.implicit;
+    match case.solver.scheme {
+        case::Scheme::Explicit => {
+            note("ghost_penalty", false, "a remedy of the implicit scheme; MUSL needs none".into(), 0.0)
+        }
+        case::Scheme::Implicit => {
+            let on = i.ghost_stiffness > 0.0 || i.ghost_mass > 0.0;
+            let why =
+                format!("implicit.ghost_stiffness = {}, implicit.ghost_mass = {}", i.ghost_stiffness, i.ghost_mass);
+            note("ghost_penalty", on, why, 0.0)
+        }
+    }
 }
 
 fn finite_strain(case: &Case) -> EffectNote {
@@ -63,6 +101,7 @@ fn finite_strain(case: &Case) -> EffectNote {
         case::Kinematics::Rate => {
             note("finite_strain", true, "solver.kinematics = \"rate\": Jaumann rate of the Cauchy stress".into(), 16.0)
         }
+        case::Kinematics::Small => note("finite_strain", false, "solver.kinematics = \"small\"".into(), 0.0),
     }
 }
 

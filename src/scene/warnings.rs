@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::{
-    case::{self, Case, GravitySchedule},
+    case::{self, Case, GravitySchedule, Regime, Scheme},
     sim::Simulation,
 };
 
@@ -30,13 +30,43 @@ const MUCH: f64 = 4e9;
 
 /// All warnings of a scene.
 pub fn list(case: &Case, simulation: &mut Simulation) -> Vec<Warning> {
-    [time_step(case, simulation), short(case), large_output(case, simulation), jitter(case), given_stress(case)]
-        .into_iter()
-        .flatten()
-        .collect()
+    let mut found = vec![time_step(case, simulation), short(case), large_output(case, simulation)];
+    found.extend([jitter(case), given_stress(case)]);
+    if case.solver.scheme == Scheme::Implicit {
+        found.extend([still_damping(case), settle_damping(case)]);
+    }
+    found.into_iter().flatten().collect()
+}
+
+/// Damping works on a velocity, and equilibrium has none.
+fn still_damping(case: &Case) -> Option<Warning> {
+    let key = if case.damping.local > 0.0 { "damping.local" } else { "damping.viscous" };
+    let damped = case.damping.local > 0.0 || case.damping.viscous > 0.0;
+    (damped && case.implicit.regime == Regime::QuasiStatic)
+        .then(|| Warning::new("damping_without_motion", key, "regime = \"quasi_static\" has no inertia to damp".into()))
+}
+
+/// The implicit scheme finds the in-situ state by equilibrium.
+fn settle_damping(case: &Case) -> Option<Warning> {
+    let given = match case.gravity.schedule {
+        GravitySchedule::NormalFirst { settle_damping, .. } | GravitySchedule::ElasticFirst { settle_damping, .. } => {
+            settle_damping > 0.0
+        }
+        _ => false,
+    };
+    given.then(|| {
+        Warning::new(
+            "settle_damping_unused",
+            "gravity.settle_damping",
+            "the implicit scheme settles by equilibrium: settle_damping is not used".into(),
+        )
+    })
 }
 
 fn time_step(case: &Case, simulation: &mut Simulation) -> Option<Warning> {
+    if case.solver.scheme == Scheme::Implicit {
+        return None;
+    }
     let fixed = case.explicit.time_step?;
     let limit = simulation.stable_dt()? / case.explicit.courant;
     (fixed > limit).then(|| {
@@ -88,4 +118,30 @@ fn given_stress(case: &Case) -> Option<Warning> {
             "the given stress is taken as it is; where it does not balance the loads the body moves at once".into(),
         )
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn slope(keys: &[&str]) -> Case {
+        let keys: Vec<String> = keys.iter().map(|k| (*k).to_owned()).collect();
+        let text = case::template("slope").expect("a template");
+        case::read("slope", text, &keys).unwrap_or_else(|e| panic!("{e}")).0
+    }
+
+    #[test]
+    fn damping_is_for_what_moves() {
+        let quiet = ["implicit.regime=quasi_static", "damping.viscous=0.1"];
+        assert_eq!(still_damping(&slope(&quiet)).map(|w| w.key), Some("damping.viscous".to_owned()));
+        assert_eq!(still_damping(&slope(&quiet[..1])), None);
+        assert_eq!(still_damping(&slope(&quiet[1..])), None);
+    }
+
+    #[test]
+    fn settling_by_equilibrium_needs_no_damping() {
+        assert!(settle_damping(&slope(&["gravity.schedule=elastic_first"])).is_some());
+        let off = ["gravity.schedule=normal_first", "gravity.settle_damping=0"];
+        assert_eq!((settle_damping(&slope(&off)), settle_damping(&slope(&[]))), (None, None));
+    }
 }

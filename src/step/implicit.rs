@@ -41,6 +41,8 @@ pub struct Settings {
     pub regime: Regime,
     pub tolerances: Tolerances,
     pub line_search: bool,
+    /// Local error of the displacement allowed in a step, in cells; `None`: not looked at.
+    pub tolerance: Option<f64>,
     /// Rate of PIC (1/s).
     pub pic_rate: f64,
     pub solver: Options,
@@ -469,6 +471,16 @@ impl<S: Shape<N>, const N: usize> Integrator for Implicit<S, N> {
     fn bytes(&self) -> usize {
         let nodes = 4 * self.nodes.grid.nodes() + 13 * 8 * self.nodes.id.capacity();
         nodes + self.kept.bytes() + self.system.bytes() + self.solver.bytes()
+    }
+
+    /// Few iterations: longer steps; many: shorter ones.
+    fn growth(&self) -> f64 {
+        match self.report.iterations {
+            0..=4 => 1.5,
+            5..=6 => 1.2,
+            7..=8 => 1.0,
+            _ => 0.7,
+        }
     }
 
     fn report(&self) -> Report {

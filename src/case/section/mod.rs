@@ -3,8 +3,10 @@
 mod boundary;
 mod gravity;
 mod grid;
+mod implicit;
+mod load;
 mod material;
-pub(super) mod region;
+mod region;
 mod run;
 mod slide;
 mod solver;
@@ -15,6 +17,11 @@ use super::log::Log;
 use super::source::Span;
 use super::tree::Table;
 use super::types::Case;
+
+/// Name of an item of a list that has none, by its place in the file: "region 1".
+pub(super) fn default_name(list: &str, index: usize) -> String {
+    format!("{list} {}", index + 1)
+}
 
 /// Reads the whole tree; `None` where an error was noted.
 pub(super) fn case(log: &Log, root: &Table) -> Option<Case> {
@@ -31,6 +38,7 @@ fn tables(log: &Log, keys: &mut Keys<'_>) -> Option<Case> {
     let points = grid::points(keys);
     let solver = solver::solver(keys);
     let explicit = solver::explicit(keys);
+    let implicit = implicit::implicit(keys);
     let gravity = gravity::gravity(keys);
     let initial_stress = gravity::initial_stress(keys);
     let damping = run::damping(keys);
@@ -41,6 +49,8 @@ fn tables(log: &Log, keys: &mut Keys<'_>) -> Option<Case> {
     let acceleration = gravity.as_ref().map_or(gravity::STANDARD, |g| g.acceleration);
     let materials = material::materials(keys, acceleration);
     let regions = region::regions(keys);
+    let load = load::loads(keys);
+    let drive = load::drives(keys);
     let outlines = regions.as_deref().and_then(region::outlines);
     let slide = slide::slide(keys, outlines.as_deref());
     check::regions(log, grid.as_ref(), materials.as_ref(), regions.as_deref());
@@ -52,6 +62,7 @@ fn tables(log: &Log, keys: &mut Keys<'_>) -> Option<Case> {
         points: points?,
         solver: solver?,
         explicit: explicit?,
+        implicit: implicit?,
         gravity: gravity?,
         initial_stress: initial_stress?,
         damping: damping?,
@@ -62,6 +73,8 @@ fn tables(log: &Log, keys: &mut Keys<'_>) -> Option<Case> {
         boundary: boundary?,
         material: materials?.complete()?,
         region: regions?.into_iter().map(|region| region.value).collect::<Option<_>>()?,
+        load: load?,
+        drive: drive?,
     };
     check::size(log, cell_at, &case).then_some(case)
 }

@@ -1,5 +1,6 @@
 //! `[[region]]`.
 
+use super::default_name;
 use crate::case::check::PlacedRegion;
 use crate::case::cursor::Cursor;
 use crate::case::keys::Keys;
@@ -11,11 +12,6 @@ use crate::case::types::{Region, RegionShape, Spin, Wave};
 
 /// Most regions of a case.
 const MOST: usize = 1000;
-
-/// Name of a region that has none, by its place in the file.
-pub(in crate::case) fn default_name(index: usize) -> String {
-    format!("region {}", index + 1)
-}
 
 /// Reads all regions; one with errors keeps its place in the list.
 pub(super) fn regions(root: &mut Keys<'_>) -> Option<Vec<PlacedRegion>> {
@@ -50,7 +46,7 @@ fn placed(index: usize, cursor: &Cursor<'_>) -> PlacedRegion {
 }
 
 fn region(index: usize, mut keys: Keys<'_>, places: &mut PlacedRegion) -> Option<Region> {
-    let name = keys.or("name", default_name(index), |c| {
+    let name = keys.or("name", default_name("region", index), |c| {
         places.name_at = c.node.span;
         c.text().map(str::to_owned)
     });

@@ -3,22 +3,48 @@
 use crate::case::cursor::Cursor;
 use crate::case::keys::Keys;
 use crate::case::limits::{FRACTION, between};
-use crate::case::types::{Explicit, Kinematics, Scheme, Solver, StressUpdate};
+use crate::case::log::Problem;
+use crate::case::types::{Explicit, Kinematics, Locking, Scheme, Solver, StressUpdate};
 
 /// Reads `[solver]`.
 pub(super) fn solver(root: &mut Keys<'_>) -> Option<Solver> {
     let mut keys = root.section("solver")?;
-    let explicit = |c: &Cursor<'_>| c.word(&["explicit"]).map(|_| Scheme::Explicit);
-    let scheme = keys.or("scheme", Scheme::Explicit, explicit);
-    let kinematics = keys.or("kinematics", Kinematics::Hencky, kinematics);
+    let scheme = keys.or("scheme", Scheme::Explicit, scheme);
+    let kinematics = keys.or("kinematics", Kinematics::Hencky, |c| kinematics(c, scheme));
+    let locking = keys.or("locking", Locking::None, locking);
     keys.finish();
-    Some(Solver { scheme: scheme?, kinematics: kinematics? })
+    Some(Solver { scheme: scheme?, kinematics: kinematics?, locking: locking? })
 }
 
-fn kinematics(cursor: &Cursor<'_>) -> Option<Kinematics> {
-    match cursor.word(&["hencky", "rate"])? {
-        "rate" => Some(Kinematics::Rate),
+fn scheme(cursor: &Cursor<'_>) -> Option<Scheme> {
+    match cursor.word(&["explicit", "implicit"])? {
+        "implicit" => Some(Scheme::Implicit),
+        _ => Some(Scheme::Explicit),
+    }
+}
+
+fn kinematics(cursor: &Cursor<'_>, scheme: Option<Scheme>) -> Option<Kinematics> {
+    match (cursor.word(&["hencky", "rate", "small"])?, scheme) {
+        ("rate", Some(Scheme::Implicit)) => wrong_scheme(cursor, "rate", "implicit", "explicit"),
+        ("small", Some(Scheme::Explicit)) => wrong_scheme(cursor, "small", "explicit", "implicit"),
+        ("rate", _) => Some(Kinematics::Rate),
+        ("small", _) => Some(Kinematics::Small),
         _ => Some(Kinematics::Hencky),
+    }
+}
+
+/// A strain measure of the other scheme.
+fn wrong_scheme<T>(cursor: &Cursor<'_>, word: &str, chosen: &str, owner: &str) -> Option<T> {
+    let message = format!("`{}` = \"{word}\" does not go with scheme = \"{chosen}\"", cursor.path);
+    let help = format!("use \"hencky\", which goes with both, or solver.scheme = \"{owner}\"");
+    cursor.error(Problem::new(message, format!("{owner} only")).help(help));
+    None
+}
+
+fn locking(cursor: &Cursor<'_>) -> Option<Locking> {
+    match cursor.word(&["none", "b_bar"])? {
+        "b_bar" => Some(Locking::BBar),
+        _ => Some(Locking::None),
     }
 }
 

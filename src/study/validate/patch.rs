@@ -94,7 +94,7 @@ fn closed_form(run: &Run, du: Matrix2<f64>) -> Voigt {
     let f = Matrix2::identity() + du;
     let (strain, factor) = match run.case.solver.kinematics {
         Kinematics::Hencky => (half_log(f * f.transpose()), 1.0 / f.determinant()),
-        Kinematics::Rate => ((du + du.transpose()) * 0.5, 1.0),
+        Kinematics::Rate | Kinematics::Small => ((du + du.transpose()) * 0.5, 1.0),
     };
     let mean = lambda * strain.trace();
     let s = (Matrix2::identity() * mean + strain * (2.0 * shear)) * factor;
