@@ -26,9 +26,10 @@ pub struct System {
     pub du: [Vec<f64>; 2],
     /// Internal minus external force plus inertia (kN/m): what holds must supply.
     pub residual: [Vec<f64>; 2],
-    /// What to add to `residual` for the force on a held unknown, which is stopped within the
-    /// step whatever the integrator; empty without inertia.
+    /// What to add to `residual` where an unknown comes to its velocity within the step, whatever
+    /// the integrator, and its derivative (of both axes); empty without inertia.
     pub impact: [Vec<f64>; 2],
+    pub impact_slope: Vec<f64>,
     /// d residual / d du, in the order of `pattern`.
     pub values: Vec<f64>,
     pub pattern: Pattern,
@@ -36,6 +37,8 @@ pub struct System {
     slots: usize,
     held: [Vec<bool>; 2],
     target: [Vec<f64>; 2],
+    /// Unknowns that come to the velocity du / dt within the step; what is held is one of them.
+    inelastic: [Vec<bool>; 2],
     slips: Vec<Slip>,
     rhs: Vec<f64>,
     delta: Vec<f64>,
@@ -56,12 +59,13 @@ impl System {
     /// Starts a step over `slots` nodes: no increment, no coupling.
     pub fn begin(&mut self, slots: usize) {
         self.slots = slots;
-        let System { du, residual, target, held, masks, .. } = self;
+        let System { du, residual, target, held, inelastic, masks, .. } = self;
         for axis in 0..2 {
             refill(&mut du[axis], slots, 0.0);
             refill(&mut residual[axis], slots, 0.0);
             refill(&mut target[axis], slots, 0.0);
             refill(&mut held[axis], slots, false);
+            refill(&mut inelastic[axis], slots, false);
         }
         refill(masks, slots, 0);
     }
@@ -105,7 +109,7 @@ impl System {
 
     /// Forgets holds and slips.
     pub fn release(&mut self) {
-        self.held.iter_mut().for_each(|h| h.fill(false));
+        self.held.iter_mut().chain(&mut self.inelastic).for_each(|h| h.fill(false));
         self.slips.clear();
     }
 
@@ -114,6 +118,7 @@ impl System {
         let free = !self.held[axis][slot];
         if free {
             self.held[axis][slot] = true;
+            self.inelastic[axis][slot] = true;
             self.target[axis][slot] = increment;
         }
         free
@@ -124,6 +129,17 @@ impl System {
         self.held[axis][slot]
     }
 
+    /// Lets an unknown come to the velocity du / dt within the step. A contact needs that: its
+    /// states must agree on what motion is.
+    pub fn damp_impact(&mut self, slot: usize, axis: usize) {
+        self.inelastic[axis][slot] = true;
+    }
+
+    /// Whether an unknown comes to the velocity du / dt within the step.
+    pub fn is_inelastic(&self, slot: usize, axis: usize) -> bool {
+        self.inelastic[axis][slot]
+    }
+
     /// Lets a node slide along axis `tangent`: its row becomes r_t + factor r_n, with r_n what
     /// axis `normal` is held with.
     pub fn slide(&mut self, slot: usize, tangent: usize, normal: usize, factor: f64) {
@@ -132,10 +148,15 @@ impl System {
         }
     }
 
-    /// Force (kN/m) that holds an unknown.
+    /// Force (kN/m) that holds an unknown: its residual, motion stopped within the step.
     pub fn reaction(&self, slot: usize, axis: usize) -> f64 {
         let impact = self.impact[axis].get(slot).copied().unwrap_or(0.0);
         self.residual[axis][slot] + impact
+    }
+
+    /// Residual of a free unknown.
+    fn free_residual(&self, slot: usize, axis: usize) -> f64 {
+        if self.inelastic[axis][slot] { self.reaction(slot, axis) } else { self.residual[axis][slot] }
     }
 
     /// Right-hand side -r with the rows of sliding nodes, and its norms.
@@ -145,7 +166,7 @@ impl System {
         for axis in 0..2 {
             for slot in 0..self.slots {
                 let k = 2 * self.pattern.rank(slot) + axis;
-                self.rhs[k] = -self.residual[axis][slot];
+                self.rhs[k] = -self.free_residual(slot, axis);
             }
         }
         for s in &self.slips {
@@ -178,6 +199,13 @@ impl System {
     /// Correction of the increment: K delta = -r, with sliding rows combined and held unknowns
     /// taken to their targets. Call [`System::norms`] first.
     pub fn solve(&mut self, solver: &mut Solver, work: &mut Work) -> Result<Solution, Fault> {
+        for axis in 0..2 {
+            for slot in 0..self.slots.min(self.impact_slope.len()) {
+                if self.inelastic[axis][slot] {
+                    self.add_diagonal(slot, axis, self.impact_slope[slot]);
+                }
+            }
+        }
         for k in 0..self.slips.len() {
             self.combine_rows(self.slips[k]);
         }
@@ -247,7 +275,10 @@ impl System {
     pub fn advance(&mut self, share: f64) {
         for axis in 0..2 {
             for slot in 0..self.slots {
-                self.du[axis][slot] += share * self.delta[2 * self.pattern.rank(slot) + axis];
+                let to = self.du[axis][slot] + share * self.delta[2 * self.pattern.rank(slot) + axis];
+                // the whole way goes to the target, without rounding
+                let whole = share == 1.0 && self.held[axis][slot];
+                self.du[axis][slot] = if whole { self.target[axis][slot] } else { to };
             }
         }
     }

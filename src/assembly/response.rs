@@ -3,8 +3,8 @@
 
 use std::ops::Range;
 
-use super::{BodyRuns, Patch, RunPatch, Scratch, collect, deposit, dot, load_point_state, place, spread};
 use super::store_point_state;
+use super::{BodyRuns, Patch, RunPatch, Scratch, collect, deposit, dot, load_point_state, place, spread};
 use crate::{
     block::{Block, Moduli3},
     body::{Body, chunks, load, set_uniform},
@@ -59,11 +59,7 @@ impl<const N: usize> Kept<N> {
 
 impl<const N: usize> Default for PointBuffers<N> {
     fn default() -> Self {
-        PointBuffers {
-            moduli: [[[0.0; LANES]; 4]; 3],
-            nominal: [[0.0; LANES]; 4],
-            stiffness: [[[0.0; LANES]; 4]; 4],
-        }
+        PointBuffers { moduli: [[[0.0; LANES]; 4]; 3], nominal: [[0.0; LANES]; 4], stiffness: [[[0.0; LANES]; 4]; 4] }
     }
 }
 
@@ -210,13 +206,7 @@ fn nominal(b: &Block, volume: &Lane, finite: bool, out: &mut Nominal) {
 }
 
 #[inline(always)]
-fn force<const N: usize>(
-    s: &mut Scratch<N>,
-    stencil: &Stencil<N>,
-    p: &Nominal,
-    system: &mut System,
-    block: usize,
-) {
+fn force<const N: usize>(s: &mut Scratch<N>, stencil: &Stencil<N>, p: &Nominal, system: &mut System, block: usize) {
     let [fx, fy, ..] = &mut s.shares;
     for i in 0..LANES {
         for k in 0..N {

@@ -203,7 +203,11 @@ impl Friction {
         self.forces.clear();
         for (grip, s) in self.grips.iter().zip(nodes.side(self.side)) {
             let slot = *s as usize;
-            if matches!(grip.contact, Contact::Away | Contact::Open) {
+            if grip.contact == Contact::Away {
+                continue;
+            }
+            (0..2).for_each(|axis| system.damp_impact(slot, axis));
+            if grip.contact == Contact::Open {
                 continue;
             }
             if system.hold(slot, n, 0.0) {

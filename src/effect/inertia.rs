@@ -87,11 +87,13 @@ impl Inertia {
 
     /// Adds m a, and c0 m to the diagonal.
     ///
-    /// An unknown that is held comes to its velocity within the step, whatever the scheme: the
-    /// average acceleration would let it swing to and fro. The force for that is
+    /// An unknown that is held or in contact comes to its velocity within the step, whatever the
+    /// scheme: the average acceleration would let it swing to and fro. The force for that is
     /// m (du / dt - v0) / dt, and `system.impact` is what it differs by.
     pub fn add(&mut self, nodes: &Nodes, system: &mut System, w: &Weights, tangent: bool) {
         let mut square = 0.0;
+        system.impact_slope.clear();
+        system.impact_slope.extend(nodes.mass[..nodes.count].iter().map(|m| m * (1.0 / (w.dt * w.dt) - w.c0)));
         for axis in 0..2 {
             system.impact[axis].clear();
             system.impact[axis].resize(nodes.count, 0.0);
@@ -110,15 +112,15 @@ impl Inertia {
         self.norm = square.sqrt();
     }
 
-    /// Velocity of the nodes at the end of the step; what is held has du / dt. With a scheme that
+    /// Velocity of the nodes at the end of the step; what is held or in contact has du / dt. With a scheme that
     /// remembers, `start` then holds the accelerations at the end.
     pub fn finish(&mut self, nodes: &mut Nodes, system: &System, w: &Weights) {
         for axis in 0..2 {
             for slot in 0..nodes.count {
                 let a = self.acceleration(nodes, system, w, axis, slot);
-                let held = system.is_held(slot, axis);
-                let free = nodes.old_velocity[axis][slot]
-                    + w.dt * ((1.0 - w.gamma) * self.start(axis, slot) + w.gamma * a);
+                let held = system.is_inelastic(slot, axis);
+                let free =
+                    nodes.old_velocity[axis][slot] + w.dt * ((1.0 - w.gamma) * self.start(axis, slot) + w.gamma * a);
                 nodes.velocity[axis][slot] = if held { system.du[axis][slot] / w.dt } else { free };
                 if let Some(start) = self.start[axis].get_mut(slot) {
                     *start = if held { 0.0 } else { a };

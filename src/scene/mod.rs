@@ -183,9 +183,10 @@ fn check_scheme(case: &Case) -> Result<(), SceneError> {
 fn integrator(case: &Case, grid: Grid, body: &Body) -> (Box<dyn Integrator>, Control) {
     let effects = effects::build(case);
     match case.solver.scheme {
-        case::Scheme::Explicit => {
-            (Box::new(Explicit::new(Linear, grid, schemes::explicit(case), effects)), Control::new(case.explicit.time_step))
-        }
+        case::Scheme::Explicit => (
+            Box::new(Explicit::new(Linear, grid, schemes::explicit(case), effects)),
+            Control::new(case.explicit.time_step),
+        ),
         case::Scheme::Implicit => {
             let settings = schemes::implicit(case, body);
             (Box::new(Implicit::new(Linear, grid, settings, effects)), schemes::control(&case.implicit))

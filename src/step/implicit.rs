@@ -6,10 +6,7 @@ use crate::{
         response::{Keep, Kept, Respond},
     },
     body::{Body, chunks},
-    effect::{
-        Clock, Effect, Inertia, Sink, TimeScheme,
-        inertia::Weights,
-    },
+    effect::{Clock, Effect, Inertia, Sink, TimeScheme, inertia::Weights},
     fault::{Fault, FaultKind},
     math::{
         linear::{Options, Solver},
@@ -334,12 +331,17 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
             let mean = nodes.velocity[axis][..n].iter_mut().zip(&system.du[axis]);
             mean.for_each(|(v, du)| *v = du / clock.dt);
         }
-        let instant = instant(clock, weights);
+        // without inertia the work of a load that grows is that of its mean
+        let instant = if weights.is_some() { instant(clock, weights) } else { clock };
         for effect in effects.iter_mut() {
             if effect.stages().account {
                 effect.account(nodes, instant);
             }
             effect.settle(nodes, clock, system);
+            if weights.is_none() {
+                // and there is no momentum to balance
+                effect.ledger_mut().step.impulse = [0.0; 2];
+            }
         }
     }
 
