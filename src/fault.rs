@@ -16,6 +16,8 @@ pub enum FaultKind {
     NonFinite,
     /// A point would have moved by more than half a cell in one step.
     StepTooLong,
+    /// A system of equations has no solution that can be trusted.
+    Singular,
 }
 
 /// A fault in one step. The body is as it was before the step.
@@ -66,6 +68,9 @@ impl Fault {
             FaultKind::Inverted | FaultKind::NonFinite | FaultKind::StepTooLong => {
                 "lower `explicit.courant` (or `explicit.time_step`), or bring the load on more slowly (`gravity.ramp_time`)"
             }
+            FaultKind::Singular => {
+                "hold the body against every motion without strain (`boundary`), or bring the load on more slowly (`gravity.ramp_time`)"
+            }
             FaultKind::LeftGrid => {
                 "enlarge `grid.size`, or put a support on that side (`boundary`); where a support stands already, the step is too long: lower `explicit.courant` or `explicit.time_step`"
             }
@@ -80,6 +85,7 @@ impl fmt::Display for Fault {
             FaultKind::LeftGrid => "a material point left the grid",
             FaultKind::NonFinite => "a quantity is no longer a finite number",
             FaultKind::StepTooLong => "a material point would move by more than half a cell in one step",
+            FaultKind::Singular => "a system of equations has no solution that can be trusted (singular matrix)",
         };
         write!(f, "{what}, in step {} at t = {:.4} s", self.step, self.time_s)?;
         if let Some(p) = self.point {

@@ -19,8 +19,14 @@ pub struct Work {
     pub newton_iterations: u64,
     /// Numeric factorisations of a sparse matrix.
     pub factorisations: u64,
+    /// Of these, unsymmetric ones (LU).
+    pub lu_factorisations: u64,
     /// Symbolic factorisations of a sparse matrix.
     pub symbolic_factorisations: u64,
+    /// Systems of equations that were to be solved.
+    pub solves: u64,
+    /// Iterations of GMRES, each with one solve by a factor.
+    pub gmres_iterations: u64,
     /// Linear solves that needed a fallback.
     pub fallback_solves: u64,
     /// Largest relative residual of any linear solve (0 in the explicit scheme, which solves none).

@@ -1,0 +1,399 @@
+//! Systems of equations over a [`Pattern`]: the choice of method, the checks, the fallbacks.
+//!
+//! A symmetric system is tried by L L^T, by L B L^T if that meets a pivot that is not positive, and
+//! by LU. An unsymmetric one is tried by GMRES with the L L^T of its symmetric part before it, and
+//! by LU. Every solution is checked; what is off is refined once, and what stays off goes to the
+//! next method. All is done by one thread in a fixed order: equal systems give equal bits.
+
+mod cholesky;
+mod condition;
+mod gmres;
+mod lu;
+mod memory;
+#[cfg(test)]
+mod tests;
+mod vector;
+
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
+
+use self::{
+    cholesky::Cholesky,
+    gmres::Gmres,
+    lu::Lu,
+    vector::{add_multiple, finite, norm},
+};
+use super::{ordering, sparse::Pattern};
+use crate::{
+    fault::{Fault, FaultKind},
+    work::Work,
+};
+
+/// Relative residual above which a solution is refined once.
+const REFINE: f64 = 1e-10;
+/// Nodes from which nested dissection is faster than minimum degree, symbolic part included.
+const DISSECT: usize = 16_000;
+
+/// How the unknowns of a symmetric matrix are ordered.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Ordering {
+    /// By the number of nodes.
+    #[default]
+    Auto,
+    /// Approximate minimum degree.
+    Amd,
+    /// Nested dissection along grid lines.
+    NestedDissection,
+}
+
+/// How an unsymmetric system is solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Unsymmetric {
+    /// GMRES, then LU.
+    #[default]
+    Auto,
+    /// LU only.
+    Lu,
+    /// GMRES, then LU.
+    Gmres,
+}
+
+/// Choices of a solver.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Order of elimination for symmetric factors.
+    pub ordering: Ordering,
+    /// Method for unsymmetric systems.
+    pub unsymmetric: Unsymmetric,
+    /// Largest |b - A x| / |b| (Euclidean) of a solution that is accepted.
+    pub max_residual: f64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options { ordering: Ordering::Auto, unsymmetric: Unsymmetric::Auto, max_residual: 1e-8 }
+    }
+}
+
+/// A way to solve a system.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// L L^T, for symmetric positive definite matrices.
+    Llt,
+    /// L B L^T, for symmetric indefinite ones.
+    Ldlt,
+    /// P A Q = L U.
+    Lu,
+    /// GMRES with the L L^T of (A + A^T) / 2 as preconditioner.
+    Gmres,
+}
+
+/// What is said of a solution.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Solution {
+    /// The method that gave it.
+    pub method: Method,
+    /// |b - A x| / |b| (Euclidean).
+    pub residual: f64,
+    /// Whether the (symmetric part of the) matrix is positive definite; `None` where it was not tried.
+    pub positive: Option<bool>,
+    /// Iterations of GMRES.
+    pub iterations: u32,
+    /// Whether a method failed before this one.
+    pub fallback: bool,
+}
+
+/// A system on its way through the methods.
+#[derive(Clone, Copy)]
+struct System<'a> {
+    pattern: &'a Pattern,
+    values: &'a [f64],
+    rhs: &'a [f64],
+}
+
+/// What the methods have found so far.
+struct Trial {
+    positive: Option<bool>,
+    iterations: u32,
+    /// Smallest residual of those that were not accepted.
+    residual: f64,
+}
+
+/// Solves systems; keeps symbolic factors while the structure stays, and all buffers.
+#[derive(Default)]
+pub struct Solver {
+    options: Options,
+    /// Structure that the symbolic factors are of.
+    structure: Option<(u64, SymbolicSparseColMat<u32>)>,
+    cholesky: Cholesky,
+    lu: Lu,
+    gmres: Gmres,
+    /// Values of (A + A^T) / 2.
+    symmetric: Vec<f64>,
+    residual: Vec<f64>,
+    correction: Vec<f64>,
+    /// Factor that was made last.
+    last: Option<Method>,
+}
+
+impl Solver {
+    /// A solver without factors.
+    pub fn new(options: Options) -> Self {
+        Solver { options, ..Solver::default() }
+    }
+
+    /// Symbolic factors are made anew when next needed. A changed structure is noticed without this.
+    pub fn forget(&mut self) {
+        self.structure = None;
+        self.last = None;
+        self.cholesky.forget();
+        self.lu.forget();
+    }
+
+    /// Solves A x = rhs, where A has `values` in the order of `pattern`, and counts what it did in `work`.
+    ///
+    /// `symmetric` promises that A is; only its lower triangle is factored then. The bits of `x` depend
+    /// on the options and the system alone.
+    ///
+    /// # Errors
+    /// `NonFinite` if a value is not a number, `Singular` if no method came to `max_residual`, or if
+    /// the lengths do not fit; `x` is not to be used then.
+    pub fn solve(
+        &mut self,
+        pattern: &Pattern,
+        values: &[f64],
+        symmetric: bool,
+        rhs: &[f64],
+        x: &mut [f64],
+        work: &mut Work,
+    ) -> Result<Solution, Fault> {
+        let system = System { pattern, values, rhs };
+        check(system, x.len())?;
+        work.solves += 1;
+        let methods = self.methods(symmetric);
+        if rhs.iter().all(|b| *b == 0.0) {
+            x.fill(0.0);
+            return Ok(Solution { method: methods[0], residual: 0.0, positive: None, iterations: 0, fallback: false });
+        }
+        self.adopt(pattern);
+        let mut trial = Trial { positive: None, iterations: 0, residual: f64::INFINITY };
+        for (turn, &method) in methods.iter().enumerate() {
+            let Some(residual) = self.attempt(method, system, x, &mut trial, work) else { continue };
+            if residual <= self.options.max_residual {
+                work.fallback_solves += u64::from(turn > 0);
+                work.max_solve_residual = work.max_solve_residual.max(residual);
+                let Trial { positive, iterations, .. } = trial;
+                return Ok(Solution { method, residual, positive, iterations, fallback: turn > 0 });
+            }
+            trial.residual = trial.residual.min(residual);
+        }
+        Err(Fault::new(FaultKind::Singular)
+            .with("residual", trial.residual)
+            .with("allowed", self.options.max_residual)
+            .with("unknowns", x.len() as f64))
+    }
+
+    /// Solves A x = rhs for another right side with the factor that was made last, and returns the
+    /// relative residual. After GMRES that is the factor of the symmetric part. `None` without a factor.
+    pub fn solve_again(&mut self, pattern: &Pattern, values: &[f64], rhs: &[f64], x: &mut [f64]) -> Option<f64> {
+        let system = System { pattern, values, rhs };
+        check(system, x.len()).ok()?;
+        if !self.knows(pattern) {
+            return None;
+        }
+        x.copy_from_slice(rhs);
+        self.apply(x, false)?;
+        Some(self.refined(system, x))
+    }
+
+    fn methods(&self, symmetric: bool) -> &'static [Method] {
+        match (symmetric, self.options.unsymmetric) {
+            (true, _) => &[Method::Llt, Method::Ldlt, Method::Lu],
+            (false, Unsymmetric::Lu) => &[Method::Lu],
+            (false, Unsymmetric::Auto | Unsymmetric::Gmres) => &[Method::Gmres, Method::Lu],
+        }
+    }
+
+    /// Whether the symbolic factors are of this structure.
+    fn knows(&self, pattern: &Pattern) -> bool {
+        self.structure.as_ref().is_some_and(|(made_of, _)| *made_of == pattern.fingerprint())
+    }
+
+    /// Drops the symbolic factors of another structure.
+    fn adopt(&mut self, pattern: &Pattern) {
+        if self.knows(pattern) {
+            return;
+        }
+        self.forget();
+        let (n, pointers, rows) = (pattern.dim(), pattern.col_ptr().to_vec(), pattern.row_idx().to_vec());
+        let structure = SymbolicSparseColMat::new_checked(n, n, pointers, None, rows);
+        self.structure = Some((pattern.fingerprint(), structure));
+        self.residual.resize(n, 0.0);
+        self.correction.resize(n, 0.0);
+    }
+
+    /// One method: relative residual of its solution in `x`, or `None` where it has none.
+    fn attempt(
+        &mut self,
+        method: Method,
+        system: System<'_>,
+        x: &mut [f64],
+        trial: &mut Trial,
+        work: &mut Work,
+    ) -> Option<f64> {
+        // what is not positive definite has already been found out
+        if method == Method::Ldlt && trial.positive == Some(true) {
+            return None;
+        }
+        self.factor(method, system, trial, work)?;
+        if method == Method::Gmres {
+            return self.iterate(system, x, trial, work);
+        }
+        x.copy_from_slice(system.rhs);
+        self.apply(x, false)?;
+        Some(self.refined(system, x))
+    }
+
+    /// Numeric factor for a method, and the symbolic one if there is none yet.
+    fn factor(&mut self, method: Method, system: System<'_>, trial: &mut Trial, work: &mut Work) -> Option<()> {
+        self.last = None;
+        let System { pattern, values, .. } = system;
+        let structure = self.structure.as_ref()?.1.as_ref();
+        if method == Method::Lu {
+            if !self.lu.is_prepared() {
+                self.lu.prepare(structure)?;
+                work.symbolic_factorisations += 1;
+            }
+            work.factorisations += 1;
+            work.lu_factorisations += 1;
+            self.lu.factor(SparseColMatRef::new(structure, values))?;
+            self.last = Some(Method::Lu);
+            return Some(());
+        }
+        if !self.cholesky.is_prepared() {
+            self.cholesky.prepare(structure, &order(self.options.ordering, pattern)?)?;
+            work.symbolic_factorisations += 1;
+        }
+        work.factorisations += 1;
+        if method == Method::Ldlt {
+            self.cholesky.factor_indefinite(SparseColMatRef::new(structure, values))?;
+            self.last = Some(Method::Ldlt);
+            return Some(());
+        }
+        let values = if method == Method::Gmres {
+            self.symmetric.resize(values.len(), 0.0);
+            pattern.symmetric_part(values, &mut self.symmetric);
+            &self.symmetric
+        } else {
+            values
+        };
+        let done = self.cholesky.factor_positive(SparseColMatRef::new(structure, values));
+        trial.positive = Some(done.is_some());
+        self.last = done.map(|()| Method::Llt);
+        done
+    }
+
+    /// GMRES with the factor of the symmetric part.
+    fn iterate(&mut self, system: System<'_>, x: &mut [f64], trial: &mut Trial, work: &mut Work) -> Option<f64> {
+        let System { pattern, values, rhs } = system;
+        let cholesky = &mut self.cholesky;
+        let ended = self.gmres.solve(
+            rhs,
+            x,
+            REFINE,
+            |x, y| pattern.multiply(values, x, y),
+            |x| {
+                if cholesky.solve(x).is_none() {
+                    x.fill(f64::NAN);
+                }
+            },
+        );
+        trial.iterations += ended.iterations;
+        work.gmres_iterations += ended.iterations as u64;
+        ended.converged.then(|| self.residual(system, x))
+    }
+
+    /// Relative residual of `x`, after one step of refinement if that is called for and helps.
+    fn refined(&mut self, system: System<'_>, x: &mut [f64]) -> f64 {
+        let before = self.residual(system, x);
+        if !before.is_finite() || before <= REFINE {
+            return before;
+        }
+        let mut correction = std::mem::take(&mut self.correction);
+        correction.copy_from_slice(&self.residual);
+        let mut reached = before;
+        if self.apply(&mut correction, false).is_some() {
+            add_multiple(x, 1.0, &correction);
+            reached = self.residual(system, x);
+            if reached.is_nan() || reached > before {
+                add_multiple(x, -1.0, &correction);
+                reached = self.residual(system, x);
+            }
+        }
+        self.correction = correction;
+        reached
+    }
+
+    /// |b - A x| / |b|, with the residual left in its buffer. Not finite if `x` is not.
+    fn residual(&mut self, system: System<'_>, x: &[f64]) -> f64 {
+        system.pattern.multiply(system.values, x, &mut self.residual);
+        self.residual.iter_mut().zip(system.rhs).for_each(|(r, b)| *r = b - *r);
+        norm(&self.residual) / norm(system.rhs)
+    }
+
+    /// Overwrites `x` with A^-1 x, or A^-T x, by the last factor.
+    fn apply(&mut self, x: &mut [f64], transposed: bool) -> Option<()> {
+        match self.last? {
+            Method::Lu => self.lu.solve(x, transposed),
+            Method::Llt | Method::Ldlt | Method::Gmres => self.cholesky.solve(x),
+        }
+    }
+
+    /// Cheap estimate of the condition number |A| |A^-1| in the 1-norm, from the last factor and at
+    /// most a dozen solves; after GMRES, that of the symmetric part. Infinite without a factor.
+    pub fn condition(&mut self, pattern: &Pattern, values: &[f64]) -> f64 {
+        if !self.knows(pattern) || self.last.is_none() || values.len() != pattern.len() {
+            return f64::INFINITY;
+        }
+        let columns = pattern.col_ptr().windows(2).map(|c| &values[c[0] as usize..c[1] as usize]);
+        let size = columns.map(vector::sum_abs).fold(0.0, f64::max);
+        size * condition::inverse_norm(pattern.dim(), |x, transposed| self.apply(x, transposed))
+    }
+
+    /// Values in the symmetric factor: the measure of its fill.
+    pub fn fill(&self) -> usize {
+        self.cholesky.fill()
+    }
+
+    /// Bytes of the factors, their workspace and the buffers, without the numeric LU.
+    pub fn bytes(&self) -> usize {
+        let structure = self.structure.as_ref().map_or(0, |(_, s)| 4 * (s.col_ptr().len() + s.row_idx().len()));
+        let buffers = [&self.symmetric, &self.residual, &self.correction].map(Vec::capacity);
+        structure + 8 * buffers.iter().sum::<usize>() + self.cholesky.bytes() + self.lu.bytes() + self.gmres.bytes()
+    }
+}
+
+/// Lengths fit and numbers are numbers.
+fn check(system: System<'_>, unknowns: usize) -> Result<(), Fault> {
+    let System { pattern, values, rhs } = system;
+    let (n, len) = (pattern.dim(), pattern.len());
+    if values.len() != len || rhs.len() != n || unknowns != n {
+        let lengths = [("rows", n), ("values", values.len()), ("expected", len), ("rhs", rhs.len()), ("x", unknowns)];
+        let fault = Fault::new(FaultKind::Singular);
+        return Err(lengths.iter().fold(fault, |f, &(name, length)| f.with(name, length as f64)));
+    }
+    if finite(values) && finite(rhs) {
+        return Ok(());
+    }
+    let bad = |a: &[f64]| a.iter().filter(|v| !v.is_finite()).count() as f64;
+    Err(Fault::new(FaultKind::NonFinite).with("matrix_values", bad(values)).with("rhs_values", bad(rhs)))
+}
+
+/// Order of elimination of the nodes.
+fn order(ordering: Ordering, pattern: &Pattern) -> Option<Vec<u32>> {
+    let dissect = match ordering {
+        Ordering::Auto => pattern.nodes() >= DISSECT,
+        Ordering::Amd => false,
+        Ordering::NestedDissection => true,
+    };
+    if dissect { Some(ordering::nested_dissection(pattern)) } else { ordering::minimum_degree(pattern) }
+}
