@@ -219,7 +219,7 @@ fn a_superset_with_unit_diagonals_has_the_same_solution() {
         });
         values
     };
-    let used = |id: u32| id % 5 != 0;
+    let used = |id: u32| !id.is_multiple_of(5);
     let load = |p: &Pattern| -> Vec<f64> {
         let id = |k: usize| p.place(k / 2)[0] + 6 * p.place(k / 2)[1];
         (0..p.dim()).map(|k| if used(id(k)) { (id(k) + k as u32 % 2) as f64 } else { 0.0 }).collect()
