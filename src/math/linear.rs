@@ -1,8 +1,8 @@
 //! Systems of equations over a [`Pattern`]: the choice of method, the checks, the fallbacks.
 //!
 //! A symmetric system is tried by L L^T, by L B L^T if that meets a pivot that is not positive, and
-//! by LU. An unsymmetric one is tried by GMRES with the L L^T of its symmetric part before it, and
-//! by LU. Every solution is checked; what is off is refined once, and what stays off goes to the
+//! by LU. An unsymmetric one goes to LU at once, or first to GMRES with the L L^T of its symmetric
+//! part as preconditioner, if that is asked for. Every solution is checked; what is off is refined once, and what stays off goes to the
 //! next method. All is done by one thread in a fixed order: equal systems give equal bits.
 
 mod cholesky;
@@ -30,13 +30,12 @@ use crate::{
 
 /// Relative residual above which a solution is refined once.
 const REFINE: f64 = 1e-10;
-/// Nodes from which nested dissection is faster than minimum degree, symbolic part included.
-const DISSECT: usize = 16_000;
 
 /// How the unknowns of a symmetric matrix are ordered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Ordering {
-    /// By the number of nodes.
+    /// Nested dissection: factors as fast as by minimum degree for 1,800 to 130,000 cells, in 10 to
+    /// 40 % less time for the symbolic part (`benches/README.md`).
     #[default]
     Auto,
     /// Approximate minimum degree.
@@ -48,7 +47,8 @@ pub enum Ordering {
 /// How an unsymmetric system is solved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Unsymmetric {
-    /// GMRES, then LU.
+    /// LU. Where all nodes of a base slip, the symmetric part is not positive definite and GMRES is of
+    /// no use; with yielding cells it took from 0.6 to 1.5 times the time (`benches/README.md`).
     #[default]
     Auto,
     /// LU only.
@@ -192,24 +192,43 @@ impl Solver {
             .with("unknowns", x.len() as f64))
     }
 
+    /// Solves A x = rhs for another right side with the factor that was made last, and returns the
+    /// relative residual. After GMRES that is the factor of the symmetric part. `None` without a factor.
+    pub fn solve_again(&mut self, pattern: &Pattern, values: &[f64], rhs: &[f64], x: &mut [f64]) -> Option<f64> {
+        let system = System { pattern, values, rhs };
+        check(system, x.len()).ok()?;
+        if !self.knows(pattern) {
+            return None;
+        }
+        x.copy_from_slice(rhs);
+        self.apply(x, false)?;
+        Some(self.refined(system, x))
+    }
+
     fn methods(&self, symmetric: bool) -> &'static [Method] {
         match (symmetric, self.options.unsymmetric) {
             (true, _) => &[Method::Llt, Method::Ldlt, Method::Lu],
-            (false, Unsymmetric::Lu) => &[Method::Lu],
-            (false, Unsymmetric::Auto | Unsymmetric::Gmres) => &[Method::Gmres, Method::Lu],
+            (false, Unsymmetric::Auto | Unsymmetric::Lu) => &[Method::Lu],
+            (false, Unsymmetric::Gmres) => &[Method::Gmres, Method::Lu],
         }
+    }
+
+    /// Whether the symbolic factors are of this structure.
+    fn knows(&self, pattern: &Pattern) -> bool {
+        self.structure.as_ref().is_some_and(|(made_of, _)| *made_of == pattern.fingerprint())
     }
 
     /// Drops the symbolic factors of another structure.
     fn adopt(&mut self, pattern: &Pattern) {
-        if self.structure.as_ref().is_some_and(|(made_of, _)| *made_of == pattern.fingerprint()) {
+        if self.knows(pattern) {
             return;
         }
         self.forget();
         let (n, pointers, rows) = (pattern.dim(), pattern.col_ptr().to_vec(), pattern.row_idx().to_vec());
         let structure = SymbolicSparseColMat::new_checked(n, n, pointers, None, rows);
         self.structure = Some((pattern.fingerprint(), structure));
-        [&mut self.residual, &mut self.correction].map(|buffer| buffer.resize(n, 0.0));
+        self.residual.resize(n, 0.0);
+        self.correction.resize(n, 0.0);
     }
 
     /// One method: relative residual of its solution in `x`, or `None` where it has none.
@@ -332,8 +351,7 @@ impl Solver {
     /// Cheap estimate of the condition number |A| |A^-1| in the 1-norm, from the last factor and at
     /// most a dozen solves; after GMRES, that of the symmetric part. Infinite without a factor.
     pub fn condition(&mut self, pattern: &Pattern, values: &[f64]) -> f64 {
-        let known = self.structure.as_ref().is_some_and(|(made_of, _)| *made_of == pattern.fingerprint());
-        if !known || self.last.is_none() || values.len() != pattern.len() {
+        if !self.knows(pattern) || self.last.is_none() || values.len() != pattern.len() {
             return f64::INFINITY;
         }
         let columns = pattern.col_ptr().windows(2).map(|c| &values[c[0] as usize..c[1] as usize]);
@@ -372,10 +390,9 @@ fn check(system: System<'_>, unknowns: usize) -> Result<(), Fault> {
 
 /// Order of elimination of the nodes.
 fn order(ordering: Ordering, pattern: &Pattern) -> Option<Vec<u32>> {
-    let dissect = match ordering {
-        Ordering::Auto => pattern.nodes() >= DISSECT,
-        Ordering::Amd => false,
-        Ordering::NestedDissection => true,
-    };
-    if dissect { Some(ordering::nested_dissection(pattern)) } else { ordering::minimum_degree(pattern) }
+    if ordering == Ordering::Amd {
+        ordering::minimum_degree(pattern)
+    } else {
+        Some(ordering::nested_dissection(pattern))
+    }
 }

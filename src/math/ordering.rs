@@ -11,7 +11,7 @@ use faer::{
 use super::sparse::{Pattern, offset_bit};
 
 /// Parts of at most so many nodes are not dissected any more.
-const LEAF: usize = 6;
+const LEAF: usize = 12;
 /// A separator leaves at least this share of the nodes on each side, where it can.
 const SHARE: f64 = 0.4;
 const NONE: u32 = u32::MAX;
@@ -178,4 +178,109 @@ fn elimination_tree(pattern: &Pattern, order: &[u32]) -> Vec<u32> {
         }
     }
     parents
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// Nodes of a grid that couple as far as `reach`.
+    fn grid(row: u32, ids: &[u32], reach: i32) -> Pattern {
+        let near = (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| offset_bit(dx, dy)));
+        let mask = near.fold(0, |m, bit| m | 1 << bit);
+        let mut pattern = Pattern::default();
+        pattern.adopt(row, ids, &vec![mask; ids.len()], false);
+        pattern
+    }
+
+    fn full(row: u32, lines: u32) -> Pattern {
+        grid(row, &(0..row * lines).collect::<Vec<_>>(), 1)
+    }
+
+    /// Entries of the factor of the node graph, by the sizes of the row subtrees of the elimination tree.
+    fn fill(pattern: &Pattern, order: &[u32]) -> usize {
+        let (parents, inverse) = (elimination_tree(pattern, order), inverted(order));
+        let mut seen = vec![NONE; order.len()];
+        let mut entries = order.len();
+        for (k, &j) in (0..).zip(order) {
+            seen[k as usize] = k;
+            for i in pattern.neighbours(j as usize) {
+                let mut at = inverse[i];
+                while at < k && seen[at as usize] != k {
+                    seen[at as usize] = k;
+                    entries += 1;
+                    at = parents[at as usize];
+                }
+            }
+        }
+        entries
+    }
+
+    fn is_permutation(order: &[u32], n: usize) -> bool {
+        let mut sorted = order.to_vec();
+        sorted.sort_unstable();
+        sorted.iter().copied().eq(0..n as u32)
+    }
+
+    proptest! {
+        #[test]
+        fn every_node_is_eliminated_once(
+            (row, ids) in (1u32..20, 1u32..20).prop_flat_map(|(row, lines)| {
+                let all: Vec<u32> = (0..row * lines).collect();
+                (Just(row), proptest::sample::subsequence(all, 0..=(row * lines) as usize))
+            }),
+            reach in 0..4,
+        ) {
+            let pattern = grid(row, &ids, reach);
+            prop_assert!(is_permutation(&nested_dissection(&pattern), pattern.nodes()));
+            prop_assert!(is_permutation(&minimum_degree(&pattern).unwrap(), pattern.nodes()));
+        }
+
+        #[test]
+        fn postorder_keeps_the_fill(row in 1u32..16, lines in 1u32..16) {
+            let pattern = full(row, lines);
+            let order = minimum_degree(&pattern).unwrap();
+            prop_assert_eq!(fill(&pattern, &postordered(&pattern, &order)), fill(&pattern, &order));
+        }
+    }
+
+    #[test]
+    fn unknowns_stay_together() {
+        let [forward, inverse] = unknowns(&[2, 0, 1]);
+        assert_eq!(forward, [4, 5, 0, 1, 2, 3]);
+        assert!(inverse.iter().enumerate().all(|(j, &k)| forward[k as usize] == j as u32));
+    }
+
+    #[test]
+    fn a_chain_does_not_fill() {
+        // every node but the last has one later neighbour at least, and a separator two at most
+        let pattern = full(100, 1);
+        assert_eq!(fill(&pattern, &(0..100).collect::<Vec<_>>()), 199);
+        assert!(fill(&pattern, &nested_dissection(&pattern)) <= 300);
+    }
+
+    /// Which order fills less depends on the shape: in the mean over these four neither does (measured
+    /// 1.11, 0.96, 1.08, 0.97), for the square, where separators are long, dissection.
+    #[test]
+    fn dissection_fills_about_as_little_as_minimum_degree() {
+        let ratio = |[row, lines]: [u32; 2]| {
+            let pattern = full(row, lines);
+            let [a, b] = [nested_dissection(&pattern), minimum_degree(&pattern).unwrap()].map(|o| fill(&pattern, &o));
+            a as f64 / b as f64
+        };
+        let ratios = [[91, 21], [181, 46], [361, 91], [181, 181]].map(ratio);
+        assert!(ratios.iter().all(|r| *r < 1.15) && ratios[3] < 1.0, "{ratios:?}");
+    }
+
+    /// 31/4 n^2 log2 n entries are the leading term for n x n nodes (George 1973).
+    #[test]
+    fn fill_stays_below_that_of_george() {
+        for side in [40, 80, 160] {
+            let nodes = (side * side) as f64;
+            let entries = fill(&full(side, side), &nested_dissection(&full(side, side))) as f64;
+            assert!(entries < 7.75 * nodes * (side as f64).log2(), "{side}: {entries}");
+        }
+    }
 }

@@ -11,7 +11,7 @@ use faer::{
     sparse::{
         SparseColMatRef, SymbolicSparseColMatRef,
         linalg::{
-            SupernodalThreshold,
+            SupernodalThreshold, SymbolicSupernodalParams,
             cholesky::{
                 CholeskySymbolicParams, IntranodeLbltRef, LltRef, SymbolicCholesky, SymmetricOrdering,
                 factorize_symbolic_cholesky,
@@ -22,6 +22,10 @@ use faer::{
 
 use super::memory;
 use crate::math::ordering;
+
+/// Neighbouring supernodes become one if they have at most so many columns together, of which at
+/// most this part is zeros. Wider than the default: 5 to 10 % faster from 1,800 to 32,000 cells.
+const RELAX: &[(usize, f64)] = &[(8, 1.0), (24, 0.8), (64, 0.2), (usize::MAX, 0.05)];
 
 /// What the values of the factor are.
 #[derive(Clone, Copy, PartialEq)]
@@ -61,6 +65,7 @@ impl Cholesky {
         // the automatic choice takes the simplicial path up to some 2,000 cells, at three times the cost
         let parameters = CholeskySymbolicParams {
             supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+            supernodal_params: SymbolicSupernodalParams { relax: Some(RELAX) },
             ..Default::default()
         };
         let order = SymmetricOrdering::Custom(permutation);
