@@ -9,8 +9,9 @@ use support::{SLOPE, advance, bits, simulation};
 ///
 /// Gravity is called for its force and for its account (2). A damping is called for its force
 /// (1). A support or a frictional side is called in both passes of MUSL (2), once under USL; a
-/// side that may open also surveys the points (1).
-const CALLS: [(&[&str], u64); 11] = [
+/// side that may open also surveys the points (1). A load is called for its forces and for its
+/// account (2), a drive as a support is.
+const CALLS: [(&[&str], u64); 14] = [
     // gravity 2, roller on the left 2, friction with separation on the base 3
     (&[], 7),
     (&["gravity.schedule=none"], 5),
@@ -24,6 +25,9 @@ const CALLS: [(&[&str], u64); 11] = [
     // one call of each constraint less
     (&["explicit.stress_update=usl"], 5),
     (&["boundary.right=roller", "boundary.top=roller"], 11),
+    (&["load=[{box=[[0, 4], [9, 5]], force=[0, -1]}]"], 9),
+    (&["drive=[{box=[[0, 0], [1, 1]], velocity_x=0}]"], 9),
+    (&["drive=[{box=[[0, 0], [1, 1]], velocity_x=0}]", "explicit.stress_update=usl"], 6),
 ];
 
 #[test]
@@ -35,6 +39,18 @@ fn effects_are_called_as_often_as_the_scene_says() {
         assert_eq!(sim.work.steps, 30);
         assert_eq!(sim.work.rejected_steps, 0);
     }
+}
+
+/// 8 bytes a point for each component of the forces, and nothing without a load.
+#[test]
+fn forces_on_points_are_stored_where_there_are_loads() {
+    let build = |keys: &[&str]| {
+        let mut sim = simulation(SLOPE, &[&["grid.cell=0.5"], keys].concat());
+        advance(&mut sim, 2);
+        (sim.bytes(), sim.body.len())
+    };
+    let ((with, n), (without, _)) = (build(&["load=[{box=[[0, 4], [9, 5]], force=[0, -1]}]"]), build(&[]));
+    assert_eq!(with - without, 2 * 8 * n);
 }
 
 #[test]

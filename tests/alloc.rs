@@ -97,6 +97,8 @@ fn no_step_allocates_with_every_effect() {
         "jitter.strength=0.01",
         "damping.viscous=0.01",
         "damping.local=0.001",
+        "load=[{box=[[0, 4], [9, 5]], force=[0, -1]}]",
+        "drive=[{box=[[0, 0], [1, 1]], velocity_x=0.01}]",
     ];
     run_through_failure(&keys, 1500);
 }

@@ -20,6 +20,7 @@ mod suggest;
 mod template;
 #[cfg(test)]
 mod tests;
+mod times;
 mod tree;
 mod types;
 

@@ -527,7 +527,8 @@ pub struct Load {
     pub ramp_time: f64,
 }
 
-/// A prescribed motion of the grid nodes inside a box.
+/// A prescribed motion of the grid nodes inside a box. Nodes on its edge are in it; where the box moves
+/// away from them they are out of it at once, so a pull needs a margin of at least the way.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Drive {
     /// Default: "drive" with its number from 1.

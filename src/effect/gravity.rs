@@ -27,7 +27,8 @@ impl Schedule {
     }
 }
 
-fn ramp(time: f64, length: f64) -> f64 {
+/// From 0 at time 0 to 1 at `length` (s), and 1 from then on.
+pub(super) fn ramp(time: f64, length: f64) -> f64 {
     if time >= length { 1.0 } else { (time / length).max(0.0) }
 }
 

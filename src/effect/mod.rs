@@ -2,15 +2,19 @@
 //! list, owns no array and does no work.
 
 pub mod damping;
+pub mod drive;
 pub mod friction;
 pub mod gravity;
 pub mod inertia;
+pub mod load;
 pub mod support;
 
 pub use damping::{LocalDamping, ViscousDamping};
+pub use drive::Drive;
 pub use friction::Friction;
 pub use gravity::{Gravity, Schedule};
 pub use inertia::{Inertia, TimeScheme};
+pub use load::Load;
 pub use support::Support;
 
 use crate::{body::Body, nodes::Nodes, space::Grid, system::System};
@@ -38,6 +42,8 @@ pub enum Pass {
 pub struct Stages {
     /// Looks at the points, before the forces.
     pub survey: bool,
+    /// Gives forces to the points, and books them when the points have moved.
+    pub load: bool,
     pub force: bool,
     pub constrain: bool,
     pub account: bool,
@@ -118,6 +124,13 @@ pub trait Effect: Send {
 
     /// Looks at the points before the nodes move.
     fn survey(&mut self, _body: &Body, _grid: &Grid) {}
+
+    /// Gives forces to points: `push` takes the index of a point in the body and its force (kN/m). The
+    /// integrator spreads them to the nodes with the points' shape functions.
+    fn load(&mut self, _body: &Body, _clock: Clock, _push: &mut dyn FnMut(usize, [f64; 2])) {}
+
+    /// Reads the way of the points, from the committed to the trial position, for the work of a load.
+    fn account_points(&mut self, _body: &Body, _clock: Clock) {}
 
     /// Adds to the nodal forces.
     fn force(&mut self, _nodes: &mut Nodes, _clock: Clock) {}

@@ -154,7 +154,7 @@ impl<'a> Loop<'a> {
         Loop {
             case,
             probe,
-            rest: Rest::new(case.end.rest_energy, case.end.rest_hold, case.grid.cell, load_end(&case.gravity.schedule)),
+            rest: Rest::new(case.end.rest_energy, case.end.rest_hold, case.grid.cell, case.loading_end()),
             history: SlideHistory::default(),
             displacement: vec![[0.0; 2]; reference.len()],
             dt: StepRange { min: f64::INFINITY, mean: 0.0, max: 0.0 },
@@ -232,18 +232,6 @@ impl<'a> Loop<'a> {
 
 fn next_due(time: f64, interval: f64) -> f64 {
     ((time / interval).floor() + 1.0) * interval
-}
-
-/// When gravity has its final value (s).
-fn load_end(schedule: &case::GravitySchedule) -> f64 {
-    match *schedule {
-        case::GravitySchedule::None | case::GravitySchedule::AtOnce => 0.0,
-        case::GravitySchedule::Ramp { ramp_time } => ramp_time,
-        case::GravitySchedule::NormalFirst { ramp_time, settle_time, tangential_time, .. } => {
-            ramp_time + settle_time + tangential_time
-        }
-        case::GravitySchedule::ElasticFirst { ramp_time, settle_time, .. } => ramp_time + settle_time,
-    }
 }
 
 /// Plastic strain at which the last softening material is residual; `None` if none softens.

@@ -1,17 +1,27 @@
 //! The effects that a case calls for, in the order in which they act.
 
+use super::{SceneError, refuse};
 use crate::{
+    body::Body,
     case::{self, Case, GravitySchedule},
-    effect::{Effect, Friction, Gravity, LocalDamping, Schedule, Support, ViscousDamping},
-    space::grid::Side,
+    effect::{
+        Drive, Effect, Friction, Gravity, Load, LocalDamping, Schedule, Support, ViscousDamping, drive::NodeRange,
+    },
+    space::{Grid, grid::Side},
 };
 
-/// Forces first (gravity, then damping, which looks at the out-of-balance force), then supports
-/// that hold both ways, then friction, which sees what they leave.
-pub fn build(case: &Case) -> Vec<Box<dyn Effect>> {
+/// Forces first (gravity and loads, then damping, which looks at the out-of-balance force), then
+/// supports that hold both ways, drives, and friction, which sees what they leave.
+///
+/// # Errors
+/// A load without a point, a drive without a node.
+pub fn build(case: &Case, grid: &Grid, body: &Body) -> Result<Vec<Box<dyn Effect>>, SceneError> {
     let mut effects: Vec<Box<dyn Effect>> = Vec::new();
     if let Some(schedule) = schedule(case) {
         effects.push(Box::new(Gravity::new(gravity_vector(case), schedule)));
+    }
+    for l in &case.load {
+        effects.push(Box::new(load(l, grid, body)?));
     }
     if has_local_damping(case) {
         effects.push(Box::new(LocalDamping::new(case.damping.local, settle(case))));
@@ -20,8 +30,48 @@ pub fn build(case: &Case) -> Vec<Box<dyn Effect>> {
         effects.push(Box::new(ViscousDamping::new(case.damping.viscous)));
     }
     effects.extend(sides(case).filter_map(|(side, kind)| hold(side, kind)));
+    for d in &case.drive {
+        effects.push(Box::new(drive(d, grid)?));
+    }
     effects.extend(sides(case).filter_map(|(side, kind)| rub(side, kind)));
-    effects
+    Ok(effects)
+}
+
+/// The points that start in the box of a load share it by volume.
+fn load(load: &case::Load, grid: &Grid, body: &Body) -> Result<Load, SceneError> {
+    let [low, high] = load.area;
+    let slack = 1e-9 * grid.h;
+    let inside = |x: f64, axis: usize| x >= low[axis] - slack && x <= high[axis] + slack;
+    let mut weight = vec![0.0; body.len()];
+    let [x, y] = &body.committed.x;
+    for (i, &id) in body.id.iter().enumerate() {
+        if inside(x[i], 0) && inside(y[i], 1) {
+            weight[id as usize] = body.volume[i];
+        }
+    }
+    if weight.iter().all(|w| *w == 0.0) {
+        let key = format!("load.{}.box", load.name);
+        let message = format!(
+            "no material point starts in the box of load \"{}\", from ({}, {}) to ({}, {}) m",
+            load.name, low[0], low[1], high[0], high[1]
+        );
+        return Err(refuse(&key, message));
+    }
+    Ok(Load::new(weight, load.force, load.ramp_time))
+}
+
+fn drive(drive: &case::Drive, grid: &Grid) -> Result<Drive, SceneError> {
+    if NodeRange::of(grid, drive.area).is_empty() {
+        let [low, high] = drive.area;
+        let key = format!("drive.{}.box", drive.name);
+        let message = format!(
+            "no node of the grid lies in the box of drive \"{}\", from ({}, {}) to ({}, {}) m; nodes are {} m apart",
+            drive.name, low[0], low[1], high[0], high[1], grid.h
+        );
+        return Err(refuse(&key, message));
+    }
+    let until = drive.until.unwrap_or(f64::INFINITY);
+    Ok(Drive::new(drive.area, [drive.velocity_x, drive.velocity_y], drive.moving, until))
 }
 
 /// The four sides with their supports. A smooth side that cannot open is a roller.

@@ -15,6 +15,7 @@ use crate::{
     block::Law,
     body::{Body, GroupSeed, Seedling},
     case::{self, Case},
+    effect::Effect,
     math::outline::Outline,
     seed::{CutRule, Seeding, seed},
     sim::{InSitu, Simulation},
@@ -76,7 +77,7 @@ pub fn build(case: &Case, max_memory: u64) -> Result<Scene, SceneError> {
     check_scheme(case)?;
     let body = body(case, &outlines, &seeding)?;
     let (in_situ, body) = in_situ(case, body);
-    let (integrator, control) = integrator(case, grid, &body);
+    let (integrator, control) = integrator(case, grid, &body, effects::build(case, &grid, &body)?);
     let mut simulation = Simulation::new(body, integrator, control, in_situ);
     simulation.work.cells = seeding.cells;
     let warnings = warnings::list(case, &mut simulation);
@@ -172,16 +173,16 @@ fn check_scheme(case: &Case) -> Result<(), SceneError> {
     if case.solver.scheme == case::Scheme::Explicit && case.solver.locking == case::Locking::BBar {
         return Err(refuse("solver.locking", "the explicit scheme has no cure for locking: use \"none\"".to_owned()));
     }
-    let absent = [("load", case.load.is_empty()), ("drive", case.drive.is_empty())];
-    match absent.iter().find(|(_, none)| !none) {
-        Some((key, _)) => Err(refuse(key, format!("a {key} is read but not built yet"))),
-        None => Ok(()),
-    }
+    Ok(())
 }
 
 /// The integrator that the case asks for, and the control of its steps.
-fn integrator(case: &Case, grid: Grid, body: &Body) -> (Box<dyn Integrator>, Control) {
-    let effects = effects::build(case);
+fn integrator(
+    case: &Case,
+    grid: Grid,
+    body: &Body,
+    effects: Vec<Box<dyn Effect>>,
+) -> (Box<dyn Integrator>, Control) {
     match case.solver.scheme {
         case::Scheme::Explicit => (
             Box::new(Explicit::new(Linear, grid, schemes::explicit(case), effects)),

@@ -31,7 +31,9 @@ pub fn list(case: &Case, simulation: &Simulation) -> Vec<EffectNote> {
         plasticity(case),
         softening(case),
         gravity(case, node),
+        load(case),
         support(case),
+        drive(case),
         friction(case),
         local_damping(case, node),
         viscous_damping(case, node),
@@ -140,6 +142,26 @@ fn gravity(case: &Case, node: f64) -> EffectNote {
         GravitySchedule::ElasticFirst { .. } => "gravity.schedule = \"elastic_first\"",
     };
     note("gravity", true, why.into(), 88.0 * node)
+}
+
+fn load(case: &Case) -> EffectNote {
+    let each = |l: &case::Load| format!("load.{}.force = [{}, {}]", l.name, l.force[0], l.force[1]);
+    let why: Vec<String> = case.load.iter().map(each).collect();
+    match why.is_empty() {
+        true => note("load", false, "there is no [[load]]".into(), 0.0),
+        // a share and a force of two components, written and read, and the positions at both ends
+        false => note("load", true, why.join(", "), 80.0),
+    }
+}
+
+fn drive(case: &Case) -> EffectNote {
+    let axis = |v: Option<f64>| v.map_or("free".to_owned(), |v| v.to_string());
+    let each = |d: &case::Drive| format!("drive.{}: velocity {}, {}", d.name, axis(d.velocity_x), axis(d.velocity_y));
+    let why: Vec<String> = case.drive.iter().map(each).collect();
+    match why.is_empty() {
+        true => note("drive", false, "there is no [[drive]]".into(), 0.0),
+        false => note("drive", true, why.join(", "), 0.0),
+    }
 }
 
 fn support(case: &Case) -> EffectNote {

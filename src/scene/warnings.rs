@@ -31,7 +31,7 @@ const MUCH: f64 = 4e9;
 /// All warnings of a scene.
 pub fn list(case: &Case, simulation: &mut Simulation) -> Vec<Warning> {
     let mut found = vec![time_step(case, simulation), short(case), large_output(case, simulation)];
-    found.extend([jitter(case), given_stress(case)]);
+    found.extend([jitter(case), given_stress(case), short_load(case), narrow_drive(case)]);
     if case.solver.scheme == Scheme::Implicit {
         found.extend([still_damping(case), settle_damping(case)]);
     }
@@ -79,21 +79,35 @@ fn time_step(case: &Case, simulation: &mut Simulation) -> Option<Warning> {
 }
 
 fn short(case: &Case) -> Option<Warning> {
-    let loading = match case.gravity.schedule {
-        GravitySchedule::None | GravitySchedule::AtOnce => 0.0,
-        GravitySchedule::Ramp { ramp_time } => ramp_time,
-        GravitySchedule::NormalFirst { ramp_time, settle_time, tangential_time, .. } => {
-            ramp_time + settle_time + tangential_time
-        }
-        GravitySchedule::ElasticFirst { ramp_time, settle_time, .. } => ramp_time + settle_time,
-    };
-    (case.end.time <= loading).then(|| {
-        Warning::new(
-            "ends_while_loading",
-            "end.time",
-            format!("the run ends at {} s, before gravity has its final value at {loading} s", case.end.time),
-        )
+    let (end, loading) = (case.end.time, case.gravity_end());
+    (end <= loading).then(|| {
+        let text = format!("the run ends at {end} s, before gravity has its final value at {loading} s");
+        Warning::new("ends_while_loading", "end.time", text)
     })
+}
+
+fn short_load(case: &Case) -> Option<Warning> {
+    let end = case.end.time;
+    let slow = case.load.iter().find(|load| end <= load.ramp_time && load.ramp_time > 0.0)?;
+    let (name, loading) = (&slow.name, slow.ramp_time);
+    let text = format!("the run ends at {end} s, before load \"{name}\" has its final value at {loading} s");
+    Some(Warning::new("ends_while_loading", &format!("load.{name}.ramp_time"), text))
+}
+
+/// A box that moves and is narrower than a cell leaves its nodes before it reaches the next ones.
+fn narrow_drive(case: &Case) -> Option<Warning> {
+    let moves = |v: Option<f64>| v.is_some_and(|v| v != 0.0);
+    let narrow = |d: &&case::Drive| {
+        let size = [0, 1].map(|a: usize| d.area[1][a] - d.area[0][a]);
+        let axes = [moves(d.velocity_x), moves(d.velocity_y)];
+        d.moving && (0..2).any(|a| axes[a] && size[a] < case.grid.cell * (1.0 - 1e-9))
+    };
+    let drive = case.drive.iter().find(narrow)?;
+    let text = format!(
+        "the box of drive \"{}\" moves and is narrower than a cell ({} m): between two nodes it drives none",
+        drive.name, case.grid.cell
+    );
+    Some(Warning::new("narrow_drive", &format!("drive.{}.box", drive.name), text))
 }
 
 fn large_output(case: &Case, simulation: &Simulation) -> Option<Warning> {
@@ -136,6 +150,25 @@ mod tests {
         assert_eq!(still_damping(&slope(&quiet)).map(|w| w.key), Some("damping.viscous".to_owned()));
         assert_eq!(still_damping(&slope(&quiet[..1])), None);
         assert_eq!(still_damping(&slope(&quiet[1..])), None);
+    }
+
+    #[test]
+    fn a_moving_box_is_no_narrower_than_a_cell() {
+        let text = case::template("bar").expect("a template");
+        let bar = |more: &str| case::read("bar", &format!("{text}\n{more}"), &[]).unwrap_or_else(|e| panic!("{e}")).0;
+        let drive = "[[drive]]\nbox = [[25, 0], [25, 1]]\nvelocity_x = 0.1\n";
+        assert_eq!(narrow_drive(&bar(drive)).map(|w| w.key), Some("drive.drive 1.box".to_owned()));
+        assert_eq!(narrow_drive(&bar(&format!("{drive}moving = false\n"))), None);
+        assert_eq!(narrow_drive(&bar(&drive.replace("velocity_x", "velocity_y"))), None);
+    }
+
+    #[test]
+    fn a_load_has_its_final_value_before_the_end() {
+        let load = "\n[[load]]\nbox = [[0, 0], [1, 1]]\nforce = [1, 0]\nramp_time = 99\n";
+        let text = case::template("bar").expect("a template").to_owned() + load;
+        let found = short_load(&case::read("bar", &text, &[]).unwrap_or_else(|e| panic!("{e}")).0);
+        assert_eq!(found.map(|w| w.key), Some("load.load 1.ramp_time".to_owned()));
+        assert_eq!(short_load(&slope(&[])), None);
     }
 
     #[test]

@@ -27,7 +27,7 @@ pub struct Energies {
     pub nodal_kinetic: f64,
     /// Elastic.
     pub strain: f64,
-    /// Work of gravity since the start, plus the energy at the start.
+    /// Work of gravity, loads and drives since the start, plus the energy at the start.
     pub external: f64,
     /// Plastic work, friction and damping together.
     pub dissipated: f64,
@@ -144,7 +144,7 @@ impl Simulation {
         }
     }
 
-    /// |P - P0 - impulses of gravity, supports and damping| over total weight (at 9.81 m/s2)
+    /// |P - P0 - impulses of gravity, loads, drives, supports and damping| over total weight (at 9.81 m/s2)
     /// times elapsed time; each axis apart.
     pub fn momentum_error(&self) -> [f64; 2] {
         let (p, books) = (self.body.momentum(), self.integrator.books());

@@ -10,7 +10,10 @@ use crate::{
     math::simd::{FpPath, Kernel},
     nodes::Nodes,
     space::{Grid, Shape, Stencil},
-    step::{Books, Integrator},
+    step::{
+        Books, Integrator,
+        load::{PointForces, Spread, gather},
+    },
     transfer::Push,
     work::Work,
 };
@@ -49,12 +52,15 @@ pub struct Explicit<S, const N: usize> {
     path: FpPath,
     runs_when_sorted: u64,
     balance: Box<NodeBalance>,
+    /// Empty in a scene without loads.
+    point_forces: PointForces,
 }
 
 /// Which effects take part in which stage, found once.
 #[derive(Default)]
 struct StageLists {
     survey: Vec<usize>,
+    load: Vec<usize>,
     force: Vec<usize>,
     constrain: Vec<usize>,
     account: Vec<usize>,
@@ -79,6 +85,7 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
         };
         let lists = StageLists {
             survey: pick(|e| e.stages().survey),
+            load: pick(|e| e.stages().load),
             force: pick(|e| e.stages().force),
             constrain: pick(|e| e.stages().constrain),
             account: pick(|e| e.stages().account),
@@ -95,6 +102,7 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
             path: FpPath::best(),
             runs_when_sorted: 0,
             balance: Box::default(),
+            point_forces: PointForces::default(),
         }
     }
 
@@ -103,8 +111,9 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
         let mean_mass = if self.settings.mass_floor > 0.0 { body.total_mass() / body.len() as f64 } else { 0.0 };
         self.lists.survey.iter().for_each(|&e| self.effects[e].survey(body, &self.nodes.grid));
         work.effect_calls += self.lists.survey.len() as u64;
-        let floor = self.update_nodes(clock, mean_mass, work);
+        let floor = self.update_nodes(body, clock, mean_mass, work);
         self.push(body, clock.dt)?;
+        self.lists.load.iter().for_each(|&e| self.effects[e].account_points(body, clock));
         self.strain_velocity(clock, work);
         let Explicit { scratch, nodes, shape, path, .. } = self;
         let plastic = path.run(Strain { scratch: scratch.as_mut(), body, nodes, dt: clock.dt, shape: *shape })?;
@@ -132,19 +141,34 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
     }
 
     /// v = p / m at the start, forces, v += dt f / m, supports.
-    fn update_nodes(&mut self, clock: Clock, mean_mass: f64, work: &mut Work) -> [f64; 2] {
-        let Explicit { nodes, effects, lists, path, .. } = self;
+    fn update_nodes(&mut self, body: &Body, clock: Clock, mean_mass: f64, work: &mut Work) -> [f64; 2] {
+        let Explicit { nodes, effects, path, .. } = self;
         effects.iter_mut().for_each(|e| e.ledger_mut().begin());
         invert_mass(nodes);
         let Nodes { old_velocity: out, momentum, inverse_mass, count, .. } = &mut *nodes;
         path.run(Divide { out, momentum, inverse_mass, n: *count });
         let floor = withhold(nodes, clock.dt, self.settings.mass_floor * mean_mass);
+        self.spread_loads(body, clock, work);
+        let Explicit { nodes, effects, lists, path, .. } = self;
         lists.force.iter().for_each(|&e| effects[e].force(nodes, clock));
         path.run(Accelerate { nodes: &mut *nodes, dt: clock.dt });
         lists.constrain.iter().for_each(|&e| effects[e].constrain(nodes, Pass::Update, clock));
         lists.account.iter().for_each(|&e| effects[e].account(nodes, clock));
         work.effect_calls += (lists.force.len() + lists.constrain.len() + lists.account.len()) as u64;
         floor
+    }
+
+    /// Forces on points go to the nodes as they are, after what light nodes withhold: they are shared
+    /// by volume, so that they go with the mass as weight does.
+    fn spread_loads(&mut self, body: &Body, clock: Clock, work: &mut Work) {
+        let Explicit { nodes, effects, lists, path, scratch, shape, point_forces, .. } = self;
+        if lists.load.is_empty() {
+            return;
+        }
+        gather(point_forces, effects, &lists.load, body, clock);
+        path.run(Spread { scratch: scratch.as_mut(), body, nodes, forces: point_forces, shape: *shape });
+        // for the forces, and for the books once the points have moved
+        work.effect_calls += 2 * lists.load.len() as u64;
     }
 
     fn push(&mut self, body: &mut Body, dt: f64) -> Result<(), Fault> {
@@ -320,7 +344,8 @@ impl<S: Shape<N>, const N: usize> Integrator for Explicit<S, N> {
     }
 
     fn bytes(&self) -> usize {
-        4 * self.nodes.grid.nodes() + 13 * 8 * self.nodes.id.capacity()
+        let loads: usize = self.point_forces.iter().map(|f| 8 * f.capacity()).sum();
+        4 * self.nodes.grid.nodes() + 13 * 8 * self.nodes.id.capacity() + loads
     }
 }
 

@@ -3,6 +3,7 @@
 pub mod control;
 pub mod explicit;
 pub mod implicit;
+pub mod load;
 
 use serde::Serialize;
 
