@@ -287,6 +287,14 @@ fn what_is_not_there_yet_ends_with_2() {
 }
 
 #[test]
+fn the_scheme_is_an_option_of_every_verb_that_reads_a_case() {
+    for verb in ["check", "explain", "solve", "converge"] {
+        let (_, stderr) = ends(rmpm(&[verb, SLOPE, "--scheme", "magic"]), 2);
+        assert!(stderr.contains("`solver.scheme` cannot be \"magic\""), "{verb}: {stderr}");
+    }
+}
+
+#[test]
 fn a_missing_file_ends_with_3() {
     let (_, stderr) = ends(rmpm(&["solve", "no-such-case.toml"]), 3);
     assert!(stderr.contains("no-such-case.toml"), "{stderr}");

@@ -140,6 +140,16 @@ fn loads_and_drives_go_by_name_or_number() {
 }
 
 #[test]
+fn loading_ends_when_nothing_grows_or_moves_any_more() {
+    let end = |sets: &[&str]| with(sets).expect("valid").loading_end();
+    let load = "load=[{box=[[0, 0], [1, 1]], force=[0, -1], ramp_time=7}]";
+    let drive = "drive=[{box=[[0, 0], [1, 1]], velocity_y=-0.1}]";
+    assert_eq!((end(&[]), end(&[load]), end(&[drive])), (5.0, 7.0, f64::INFINITY));
+    assert_eq!(end(&[load, drive, "drive.0.until=9"]), 9.0);
+    assert_eq!(end(&[drive, "drive.0.velocity_y=0"]), 5.0);
+}
+
+#[test]
 fn the_mass_floor_follows_the_stress_update() {
     let case = with(&["explicit.stress_update=usl"]).expect("a valid case");
     assert_eq!(case.explicit.mass_floor, 1e-3);

@@ -120,8 +120,11 @@ fn schedule(case: &Case) -> Option<Schedule> {
     }
 }
 
-/// Damping while the soil settles, and until when.
+/// Damping while the soil settles, and until when. The implicit scheme settles by equilibrium.
 fn settle(case: &Case) -> Option<(f64, f64)> {
+    if case.solver.scheme == case::Scheme::Implicit {
+        return None;
+    }
     match case.gravity.schedule {
         GravitySchedule::NormalFirst { ramp_time, settle_time, settle_damping, .. }
         | GravitySchedule::ElasticFirst { ramp_time, settle_time, settle_damping } => {
@@ -136,4 +139,19 @@ fn settle(case: &Case) -> Option<(f64, f64)> {
 pub fn has_local_damping(case: &Case) -> bool {
     let explicit = case.solver.scheme == case::Scheme::Explicit;
     explicit && (case.damping.local > 0.0 || settle(case).is_some_and(|(a, _)| a > 0.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_the_explicit_scheme_settles_by_damping() {
+        let text = case::template("slope").expect("a template");
+        let damped = |scheme: &str| {
+            let keys = [format!("solver.scheme={scheme}"), "gravity.schedule=elastic_first".to_owned()];
+            has_local_damping(&case::read("slope", text, &keys).unwrap_or_else(|e| panic!("{e}")).0)
+        };
+        assert!(damped("explicit") && !damped("implicit"));
+    }
 }

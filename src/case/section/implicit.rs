@@ -67,7 +67,7 @@ fn regime(keys: &mut Keys<'_>) -> Option<Regime> {
 }
 
 fn hht_alpha(keys: &mut Keys<'_>) -> Option<f64> {
-    keys.or("hht_alpha", 0.1, |c| c.number(between(0.0, 1.0 / 3.0, "")))
+    keys.or("hht_alpha", 0.1, |c| c.formula(between(0.0, 1.0 / 3.0, "")))
 }
 
 /// The integrator that `auto` brings in.

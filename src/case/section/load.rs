@@ -1,5 +1,7 @@
 //! `[[load]]` and `[[drive]]`.
 
+use std::collections::BTreeMap;
+
 use super::default_name;
 use crate::case::cursor::Cursor;
 use crate::case::keys::Keys;
@@ -14,15 +16,20 @@ const MOST: usize = 1000;
 
 /// Reads all loads.
 pub(super) fn loads(root: &mut Keys<'_>) -> Option<Vec<Load>> {
-    items(root, "load", load)
+    items(root, "load", load, |load| &load.name)
 }
 
 /// Reads all drives.
 pub(super) fn drives(root: &mut Keys<'_>) -> Option<Vec<Drive>> {
-    items(root, "drive", drive)
+    items(root, "drive", drive, |drive| &drive.name)
 }
 
-fn items<T>(root: &mut Keys<'_>, list: &'static str, read: fn(usize, Keys<'_>) -> Option<T>) -> Option<Vec<T>> {
+fn items<T>(
+    root: &mut Keys<'_>,
+    list: &'static str,
+    read: fn(usize, Keys<'_>) -> Option<T>,
+    name: fn(&T) -> &str,
+) -> Option<Vec<T>> {
     root.or(list, Vec::new(), |c| {
         let Value::Array(_) = c.node.value else { return c.wrong_type(&format!("a list: write [[{list}]]")) };
         let cursors = c.list()?;
@@ -33,8 +40,23 @@ fn items<T>(root: &mut Keys<'_>, list: &'static str, read: fn(usize, Keys<'_>) -
         }
         // every item is read, so that every error is found
         let found: Vec<_> = cursors.iter().enumerate().map(|(k, c)| read(k, c.table()?)).collect();
-        found.into_iter().collect()
+        let found: Vec<T> = found.into_iter().collect::<Option<_>>()?;
+        unlike_names(&cursors, found.iter().map(name))?;
+        Some(found)
     })
+}
+
+/// Overrides and messages go by the names.
+fn unlike_names<'a>(cursors: &[Cursor<'_>], names: impl Iterator<Item = &'a str>) -> Option<()> {
+    let mut seen = BTreeMap::new();
+    for (cursor, name) in cursors.iter().zip(names) {
+        if let Some(first) = seen.insert(name, &cursor.path) {
+            let message = format!("`{first}` and `{}` have the same name \"{name}\"", cursor.path);
+            cursor.error(Problem::new(message, "needs a name of its own"));
+            return None;
+        }
+    }
+    Some(())
 }
 
 fn load(index: usize, mut keys: Keys<'_>) -> Option<Load> {
