@@ -11,6 +11,7 @@ use std::ops::Range;
 use crate::{
     block::Block,
     body::{Body, Group, chunks, load, load_state, set_uniform, store},
+    domain,
     fault::Fault,
     math::simd::Kernel,
     nodes::Nodes,
@@ -132,7 +133,8 @@ pub fn place<S: Shape<N>, const N: usize>(s: &mut Scratch<N>, body: &Body, nodes
     for axis in 0..2 {
         load(&mut s.x.0[axis], &body.committed.x[axis], range);
     }
-    S::fill(&nodes.grid, &s.x.0[0], &s.x.0[1], &mut s.stencil);
+    let half = if S::DOMAIN { domain::half_lengths(body, range) } else { [[0.0; LANES]; 2] };
+    S::fill(&nodes.grid, &s.x.0[0], &s.x.0[1], &half, &mut s.stencil);
 }
 
 /// Spreads nodal columns to the points of the block.
@@ -281,6 +283,9 @@ impl<S: Shape<N>, const N: usize> Kernel for Strain<'_, S, N> {
                 spread(s.runs.of(block), &mut s.nodal, [vx, vy]);
                 block += 1;
                 gradient(s, dt);
+                if S::DOMAIN {
+                    domain::deform(body, &s.block.du, &range);
+                }
                 load_point_state(&mut s.block, &body.groups[g], body, &range);
                 if let Err(fault) = body.groups[g].law.update(&mut s.block) {
                     return Err(body.blame(fault, range.start));

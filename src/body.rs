@@ -29,6 +29,8 @@ pub struct State {
     pub jacobian: Strip,
     /// History columns of the laws.
     pub history: Vec<Strip>,
+    /// Total deformation gradient: xx, xy, yx, yy; no column unless domains are tracked.
+    pub deformation: Vec<Strip>,
 }
 
 impl State {
@@ -39,6 +41,7 @@ impl State {
             .chain(&mut self.strain)
             .chain(std::iter::once(&mut self.jacobian))
             .chain(&mut self.history)
+            .chain(&mut self.deformation)
     }
 
     /// Zeros for `n` points; the columns are numbered from `first`.
@@ -47,6 +50,11 @@ impl State {
         s.columns().enumerate().for_each(|(k, c)| *c = Strip::new(n, 0.0, first + k));
         s.jacobian.fill(1.0);
         s
+    }
+
+    /// Columns of F, the identity, numbered from `first`.
+    fn identity(n: usize, first: usize) -> Vec<Strip> {
+        [1.0, 0.0, 0.0, 1.0].iter().enumerate().map(|(k, &f)| Strip::new(n, f, first + k)).collect()
     }
 }
 
@@ -125,6 +133,13 @@ impl Body {
             body.push_group(seed);
         }
         body
+    }
+
+    /// Keeps F from now on, starting from the identity: shape functions with domains need it.
+    pub fn track_domains(&mut self) {
+        let (n, columns) = (self.len(), 9 + self.committed.history.len());
+        self.committed.deformation = State::identity(n, 2 + 2 * columns);
+        self.trial.deformation = State::identity(n, 6 + 2 * columns);
     }
 
     fn push_group(&mut self, seed: GroupSeed) {
@@ -323,7 +338,7 @@ impl Body {
             .iter()
             .flat_map(|g| g.params.iter().map(|c| if let Column::Varying(v) = c { v.len() } else { 0 }))
             .sum();
-        let state = 9 + self.committed.history.len();
+        let state = 9 + self.committed.history.len() + self.committed.deformation.len();
         let fixed = (2 * state + 3) * 8 + 8 + 4 + 16;
         fixed as f64 + varying as f64 * 8.0 / self.len().max(1) as f64
     }
@@ -411,5 +426,41 @@ fn load_law(block: &mut Block, group: &Group, state: &State, range: Range<usize>
     load_state(block, group, state, &range);
     for (lane, column) in block.state.iter_mut().zip(&state.history) {
         load(lane, column, &range);
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::{
+        block::PointLaw,
+        kinematics::{Hencky, StrengthMeasure},
+        material::Elastic,
+    };
+
+    /// A few elastic points in a row, of 1/4 m3/m each, with domains.
+    pub fn points(n: usize) -> Body {
+        let point = |i: usize| Seedling { x: [i as f64, 0.0], mass: 1.0, volume: 0.25, ..Seedling::default() };
+        let law = Box::new(PointLaw::<Elastic, Hencky>::new(Elastic, StrengthMeasure::Cauchy));
+        let params = vec![Column::Uniform(100.0), Column::Uniform(0.3)];
+        let mut body =
+            Body::new(vec![GroupSeed { material: 0, law, params, points: (0..n).rev().map(point).collect() }]);
+        body.track_domains();
+        body
+    }
+
+    #[test]
+    fn domains_go_with_their_points() {
+        let mut body = points(5);
+        let bare = body.bytes_per_point() - 64.0;
+        assert_eq!(body.committed.deformation.len(), 4);
+        for i in 0..5 {
+            body.committed.deformation[1][i] = body.committed.x[0][i];
+        }
+        body.sort(&Grid { origin: [-0.5, -0.5], h: 1.0, cells: [5, 1] });
+        assert_eq!(&body.committed.deformation[1][..], &[0.0, 1.0, 2.0, 3.0, 4.0]);
+        assert_eq!(&body.committed.x[0][..], &body.committed.deformation[1][..]);
+        body.committed.deformation.clear();
+        assert_eq!(body.bytes_per_point(), bare);
     }
 }

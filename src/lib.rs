@@ -46,6 +46,8 @@ pub mod snapshot;
 
 pub mod body;
 
+pub mod domain;
+
 pub mod nodes;
 
 pub mod seed;

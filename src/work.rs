@@ -43,6 +43,9 @@ pub struct Work {
     pub sorts: u64,
     /// Largest number of active nodes in any step.
     pub max_active_nodes: u64,
+    /// Most points at one time with a domain longer than the shape functions take, which was
+    /// therefore cut; looked at every 20 steps (0 with `linear`, which has no domains).
+    pub domain_clamps: u64,
     /// Times the nodal arrays grew, i.e. the active nodes passed their high-water mark.
     pub node_growths: u64,
 }

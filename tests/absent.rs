@@ -110,6 +110,16 @@ fn only_plastic_soil_stores_plastic_strain() {
 }
 
 #[test]
+fn only_shapes_with_domains_store_the_deformation() {
+    let [linear, gimp] =
+        ["linear", "gimp"].map(|s| simulation(SLOPE, &["grid.cell=0.5", &format!("solver.shape={s}")]));
+    assert_eq!(linear.body.committed.deformation.len() + linear.body.trial.deformation.len(), 0);
+    // four columns in the committed and four in the trial state
+    assert_eq!(gimp.body.bytes_per_point() - linear.body.bytes_per_point(), 64.0);
+    assert_eq!(linear.work.domain_clamps, 0);
+}
+
+#[test]
 fn uniform_strength_is_not_stored_and_jittered_strength_is() {
     let uniform = simulation(SLOPE, &["grid.cell=0.5"]);
     let jittered = simulation(SLOPE, &["grid.cell=0.5", "jitter.strength=0.0005"]);

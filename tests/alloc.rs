@@ -90,6 +90,11 @@ fn no_step_allocates_on_the_papers_cells() {
 }
 
 #[test]
+fn no_step_allocates_with_domains() {
+    run_through_failure(&["grid.cell=0.5", "gravity.schedule=at_once", "solver.shape=gimp"], 1500);
+}
+
+#[test]
 fn no_step_allocates_with_every_effect() {
     let keys = [
         "grid.cell=0.5",

@@ -56,6 +56,16 @@ fn slope_keeps_mass_momentum_and_energy() {
     assert!(share.abs() < 0.05, "{share}");
 }
 
+/// With domains there are nodes without mass: they take nothing and give nothing, and the balances
+/// are those of the bilinear functions.
+#[test]
+fn domains_keep_mass_momentum_and_energy() {
+    for shape in ["solver.shape=gimp", "solver.shape=gimp_wide"] {
+        let share = numerical_share(&["grid.cell=0.5", shape], 12.0);
+        assert!(share.abs() < 0.05, "{shape}: {share}");
+    }
+}
+
 /// Measured: FLIP makes 2.1 %, PIC at ten times the default rate takes 7.9 %.
 #[test]
 fn flip_makes_a_little_energy_and_pic_takes_it() {

@@ -6,7 +6,7 @@ mod support;
 use rmpm::{
     body::Body,
     effect::{Clock, Effect, Friction, Gravity, LocalDamping, Schedule, Support, ViscousDamping},
-    space::{Grid, Linear, grid::Side},
+    space::{Gimp, GimpWide, Grid, Linear, Shape, grid::Side},
     step::{
         Integrator,
         explicit::{Explicit, Settings, StressUpdate},
@@ -15,8 +15,8 @@ use rmpm::{
 };
 use support::SLOPE;
 
-fn body(kinematics: &str) -> (Body, Grid) {
-    let keys = ["grid.cell=0.5", &format!("solver.kinematics={kinematics}")];
+fn body(kinematics: &str, shape: &str) -> (Body, Grid) {
+    let keys = ["grid.cell=0.5", &format!("solver.kinematics={kinematics}"), &format!("solver.shape={shape}")];
     let scene = support::scene(SLOPE, &keys);
     (scene.simulation.body, scene.grid)
 }
@@ -33,10 +33,22 @@ fn effects() -> Vec<Box<dyn Effect>> {
     ]
 }
 
-fn integrator(grid: Grid, stress_update: StressUpdate) -> Explicit<Linear, 4> {
-    let settings = Settings { stress_update, pic_rate: 0.5, courant: 0.25, mass_floor: 1e-3 };
-    Explicit::new(Linear, grid, settings, effects())
+fn integrator(grid: Grid, stress_update: StressUpdate, shape: &str) -> Box<dyn Integrator> {
+    match shape {
+        "gimp" => explicit(Gimp, grid, stress_update),
+        "gimp_wide" => explicit(GimpWide, grid, stress_update),
+        _ => explicit(Linear, grid, stress_update),
+    }
 }
+
+fn explicit<S: Shape<N>, const N: usize>(shape: S, grid: Grid, stress_update: StressUpdate) -> Box<dyn Integrator> {
+    let settings = Settings { stress_update, pic_rate: 0.5, courant: 0.25, mass_floor: 1e-3 };
+    Box::new(Explicit::new(shape, grid, settings, effects()))
+}
+
+/// Pairs of kinematics and shape functions.
+const CHOICES: [(&str, &str); 4] =
+    [("hencky", "linear"), ("rate", "linear"), ("hencky", "gimp"), ("rate", "gimp_wide")];
 
 fn advance(integrator: &mut dyn Integrator, body: &mut Body, from: usize, steps: usize, work: &mut Work) {
     for k in from..from + steps {
@@ -55,22 +67,22 @@ fn bits(body: &Body) -> Vec<u64> {
 /// A step that fails changes neither body nor books nor what comes after it.
 #[test]
 fn a_refused_step_leaves_no_trace() {
-    for kinematics in ["hencky", "rate"] {
+    for (kinematics, shape) in CHOICES {
         for update in [StressUpdate::Musl, StressUpdate::Usl] {
-            let (mut a, grid) = body(kinematics);
-            let (mut b, _) = body(kinematics);
-            let (mut refused, mut plain) = (integrator(grid, update), integrator(grid, update));
+            let (mut a, grid) = body(kinematics, shape);
+            let (mut b, _) = body(kinematics, shape);
+            let (mut refused, mut plain) = (integrator(grid, update, shape), integrator(grid, update, shape));
             let (mut work_a, mut work_b) = (Work::default(), Work::default());
-            advance(&mut refused, &mut a, 0, 40, &mut work_a);
-            advance(&mut plain, &mut b, 0, 40, &mut work_b);
+            advance(refused.as_mut(), &mut a, 0, 40, &mut work_a);
+            advance(plain.as_mut(), &mut b, 0, 40, &mut work_b);
             let (before, books) = (bits(&a), refused.books());
             let far_too_long = Clock { time: 0.04, dt: 50.0 };
             assert!(refused.step(&mut a, far_too_long, &mut work_a).is_err());
             assert!(bits(&a) == before, "the body has changed");
             assert_eq!(refused.books(), books);
             assert_eq!(work_a.steps, work_b.steps);
-            advance(&mut refused, &mut a, 40, 40, &mut work_a);
-            advance(&mut plain, &mut b, 40, 40, &mut work_b);
+            advance(refused.as_mut(), &mut a, 40, 40, &mut work_a);
+            advance(plain.as_mut(), &mut b, 40, 40, &mut work_b);
             assert!(bits(&a) == bits(&b), "the refused step is felt later");
             assert_eq!(refused.books(), plain.books());
         }
@@ -80,15 +92,17 @@ fn a_refused_step_leaves_no_trace() {
 /// The impulses that the effects book are what changed the momentum, to rounding of the sums.
 #[test]
 fn booked_impulses_are_the_change_of_momentum() {
-    for update in [StressUpdate::Musl, StressUpdate::Usl] {
-        let (mut body, grid) = body("hencky");
-        let mut integrator = integrator(grid, update);
-        advance(&mut integrator, &mut body, 0, 300, &mut Work::default());
-        let (momentum, booked) = (body.momentum(), integrator.books().effects.impulse);
-        let scale = body.total_mass() * 9.81 * 0.3;
-        for axis in 0..2 {
-            let gap = (momentum[axis] - booked[axis]).abs() / scale;
-            assert!(gap < 1e-12, "{update:?}, axis {axis}: {gap:e}");
+    for shape in ["linear", "gimp", "gimp_wide"] {
+        for update in [StressUpdate::Musl, StressUpdate::Usl] {
+            let (mut body, grid) = body("hencky", shape);
+            let mut integrator = integrator(grid, update, shape);
+            advance(integrator.as_mut(), &mut body, 0, 300, &mut Work::default());
+            let (momentum, booked) = (body.momentum(), integrator.books().effects.impulse);
+            let scale = body.total_mass() * 9.81 * 0.3;
+            for axis in 0..2 {
+                let gap = (momentum[axis] - booked[axis]).abs() / scale;
+                assert!(gap < 1e-12, "{shape}, {update:?}, axis {axis}: {gap:e}");
+            }
         }
     }
 }
@@ -96,9 +110,9 @@ fn booked_impulses_are_the_change_of_momentum() {
 /// Every effect that dissipates says under which head: the parts add up to the whole.
 #[test]
 fn dissipation_is_reported_under_a_head() {
-    let (mut body, grid) = body("hencky");
-    let mut integrator = integrator(grid, StressUpdate::Musl);
-    advance(&mut integrator, &mut body, 0, 300, &mut Work::default());
+    let (mut body, grid) = body("hencky", "linear");
+    let mut integrator = integrator(grid, StressUpdate::Musl, "linear");
+    advance(integrator.as_mut(), &mut body, 0, 300, &mut Work::default());
     let books = integrator.books();
     let (parts, whole) = (books.friction + books.damping, books.effects.dissipated);
     assert!(books.friction > 0.0 && books.damping > 0.0, "{books:?}");

@@ -20,6 +20,7 @@ const ORDER: [&str; 25] = [
     "block",
     "snapshot",
     "body",
+    "domain",
     "nodes",
     "seed",
     "system",

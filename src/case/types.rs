@@ -94,6 +94,7 @@ pub struct Solver {
     pub kinematics: Kinematics,
     /// Cure for volumetric locking. Default `none`: plain bilinear cells, as in the paper.
     pub locking: Locking,
+    pub shape: ShapeFunctions,
 }
 
 /// How time is stepped.
@@ -126,6 +127,18 @@ pub enum Locking {
     None,
     /// Mean dilatation over each cell.
     BBar,
+}
+
+/// Shape functions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ShapeFunctions {
+    /// Bilinear, on the four nodes of a point's cell.
+    Linear,
+    /// Uniform GIMP on 3 x 3 nodes: domains up to a cell long.
+    Gimp,
+    /// Uniform GIMP on 4 x 4 nodes: domains up to two cells long.
+    GimpWide,
 }
 
 /// Keys of the explicit scheme.

@@ -92,6 +92,7 @@ pub fn record(case: &Case, source: &Source, scene: &Scene, outcome: &Outcome) ->
         source.warnings.iter().map(|d| Warning::new("case", &d.key, d.message.clone())).collect();
     warnings.extend(scene.warnings.iter().cloned());
     warnings.extend(about(case, outcome));
+    warnings.extend(cut_domains(case, &scene.simulation.work));
     Record {
         schema_version: SCHEMA_VERSION,
         build: Build::current(),
@@ -168,6 +169,24 @@ fn about(case: &Case, outcome: &Outcome) -> Vec<Warning> {
         w.push(Warning::new("not_at_rest", "end.time", "the run ended before the body came to rest".into()));
     }
     w
+}
+
+/// Domains that have outgrown what the shape functions take.
+fn cut_domains(case: &Case, work: &Work) -> Option<Warning> {
+    let (reach, advice) = match case.solver.shape {
+        case::ShapeFunctions::Gimp => ("h/2", "use solver.shape = \"gimp_wide\", or more points"),
+        _ => ("h", "use more points"),
+    };
+    (work.domain_clamps > 0).then(|| {
+        Warning::new(
+            "domain_clamps",
+            "solver.shape",
+            format!(
+                "up to {} of {} points at a time had domains longer than the shape functions take (half-lengths to {reach}): they were cut, and what stretches further may tear numerically; {advice}",
+                work.domain_clamps, work.points
+            ),
+        )
+    })
 }
 
 /// What depends on the machine and the hour.

@@ -15,11 +15,10 @@ use crate::{
     block::Law,
     body::{Body, GroupSeed, Seedling},
     case::{self, Case},
-    effect::Effect,
     math::outline::Outline,
     seed::{CutRule, Seeding, seed},
     sim::{InSitu, Simulation},
-    space::{Grid, Linear, gauss},
+    space::{Gimp, GimpWide, Grid, Linear, Shape, gauss},
     step::{Integrator, control::Control, explicit::Explicit, implicit::Implicit},
 };
 
@@ -75,9 +74,9 @@ pub fn build(case: &Case, max_memory: u64) -> Result<Scene, SceneError> {
     check_regions(case, &seeding)?;
     check_initial_stress(case)?;
     check_scheme(case)?;
-    let body = body(case, &outlines, &seeding)?;
+    let mut body = body(case, &outlines, &seeding)?;
+    let (integrator, control) = integrator(case, grid, &mut body)?;
     let (in_situ, body) = in_situ(case, body);
-    let (integrator, control) = integrator(case, grid, &body, effects::build(case, &grid, &body)?);
     let mut simulation = Simulation::new(body, integrator, control, in_situ);
     simulation.work.cells = seeding.cells;
     let warnings = warnings::list(case, &mut simulation);
@@ -176,23 +175,53 @@ fn check_scheme(case: &Case) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// The integrator that the case asks for, and the control of its steps.
-fn integrator(
-    case: &Case,
-    grid: Grid,
-    body: &Body,
-    effects: Vec<Box<dyn Effect>>,
-) -> (Box<dyn Integrator>, Control) {
-    match case.solver.scheme {
-        case::Scheme::Explicit => (
-            Box::new(Explicit::new(Linear, grid, schemes::explicit(case), effects)),
-            Control::new(case.explicit.time_step),
-        ),
-        case::Scheme::Implicit => {
-            let settings = schemes::implicit(case, body);
-            (Box::new(Implicit::new(Linear, grid, settings, effects)), schemes::control(&case.implicit))
-        }
+/// The integrator that the case asks for, with the control of its steps; the body is made ready
+/// for its shape functions.
+fn integrator(case: &Case, grid: Grid, body: &mut Body) -> Result<(Box<dyn Integrator>, Control), SceneError> {
+    match case.solver.shape {
+        case::ShapeFunctions::Linear => with_shape(case, Linear, grid, body),
+        case::ShapeFunctions::Gimp => with_shape(case, Gimp, grid, body),
+        case::ShapeFunctions::GimpWide => with_shape(case, GimpWide, grid, body),
     }
+}
+
+fn with_shape<S: Shape<N>, const N: usize>(
+    case: &Case,
+    shape: S,
+    grid: Grid,
+    body: &mut Body,
+) -> Result<(Box<dyn Integrator>, Control), SceneError> {
+    prepare::<S, N>(grid, body)?;
+    let effects = effects::build(case, &grid, body)?;
+    Ok(match case.solver.scheme {
+        case::Scheme::Explicit => {
+            let explicit = Explicit::new(shape, grid, schemes::explicit(case), effects);
+            (Box::new(explicit), Control::new(case.explicit.time_step))
+        }
+        case::Scheme::Implicit => {
+            let implicit = Implicit::new(shape, grid, schemes::implicit(case, body), effects);
+            (Box::new(implicit), schemes::control(&case.implicit))
+        }
+    })
+}
+
+/// Refuses a grid on which a patch has no room, and gives the points of shapes with domains what
+/// these need.
+fn prepare<S: Shape<N>, const N: usize>(grid: Grid, body: &mut Body) -> Result<(), SceneError> {
+    let least = S::SPAN - 1;
+    if grid.cells.iter().any(|&n| n < least) {
+        let [x, y] = grid.cells;
+        let message = format!(
+            "solver.shape = \"{}\" needs a grid of at least {least} cells along x and y, and this one has {x} x {y}; make `grid.size` larger (the soil may stay as it is)",
+            S::NAME
+        );
+        return Err(refuse("grid.size", message));
+    }
+    if S::DOMAIN {
+        body.track_domains();
+        body.sort(&S::order(&grid));
+    }
+    Ok(())
 }
 
 /// One group of points for each material, in the order of the materials' names.
@@ -258,4 +287,25 @@ fn in_situ(case: &Case, mut body: Body) -> (Option<InSitu>, Body) {
     };
     let laws = body.groups.iter_mut().map(swap).collect();
     (Some(InSitu { until, laws }), body)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_grid_too_narrow_for_a_patch_is_refused() {
+        let bar = include_str!("../../validation/vibrating-bar/case.toml");
+        for (shape, least) in [("gimp", 2), ("gimp_wide", 3)] {
+            let build_on = |rows: u32| {
+                let keys = [format!("solver.shape={shape}"), format!("grid.size=[26, {rows}]")];
+                let (case, _) = case::read("bar", bar, &keys).expect("a valid case");
+                build(&case, u64::MAX)
+            };
+            let refused = build_on(least - 1).err().expect("too narrow");
+            assert_eq!(refused.key, "grid.size");
+            assert!(refused.message.contains(&format!("at least {least} cells")), "{refused}");
+            assert!(build_on(least).is_ok());
+        }
+    }
 }

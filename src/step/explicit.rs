@@ -5,6 +5,7 @@ use std::marker::PhantomData;
 use crate::{
     assembly::{Scatter, Scratch, Strain, place},
     body::{Body, chunks, load_varying, set_uniform},
+    domain,
     effect::{Clock, Effect, Pass, Sink},
     fault::Fault,
     math::simd::{FpPath, Kernel},
@@ -127,7 +128,7 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
         if self.runs_when_sorted == 0 {
             self.runs_when_sorted = runs;
         } else if runs > self.runs_when_sorted + self.runs_when_sorted / 4 + 8 {
-            body.sort(&self.nodes.grid);
+            body.sort(&S::order(&self.nodes.grid));
             self.runs_when_sorted = 0;
             work.sorts += 1;
         }
@@ -144,7 +145,7 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
     fn update_nodes(&mut self, body: &Body, clock: Clock, mean_mass: f64, work: &mut Work) -> [f64; 2] {
         let Explicit { nodes, effects, path, .. } = self;
         effects.iter_mut().for_each(|e| e.ledger_mut().begin());
-        invert_mass(nodes);
+        invert_mass(nodes, S::DOMAIN);
         let Nodes { old_velocity: out, momentum, inverse_mass, count, .. } = &mut *nodes;
         path.run(Divide { out, momentum, inverse_mass, n: *count });
         let floor = withhold(nodes, clock.dt, self.settings.mass_floor * mean_mass);
@@ -216,14 +217,23 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
         let (growths, high) = self.nodes.growth();
         work.node_growths = growths;
         work.max_active_nodes = high as u64;
+        if S::DOMAIN && work.steps.is_multiple_of(CLAMPS_EVERY) {
+            let clamped = domain::longer_than(body, S::LONGEST * self.nodes.grid.h * (1.0 + 1e-9));
+            work.domain_clamps = work.domain_clamps.max(clamped);
+        }
     }
 }
 
-/// 1 / m on the active nodes.
-fn invert_mass(nodes: &mut Nodes) {
+/// Steps between two counts of the domains that are longer than the shape takes.
+const CLAMPS_EVERY: u64 = 20;
+
+/// 1 / m on the active nodes. With `empty` there may be nodes of weight 0 to all points: they have
+/// no gradient and so no force either (see `space::gimp`), get 0 and stay at rest.
+#[inline(always)]
+fn invert_mass(nodes: &mut Nodes, empty: bool) {
     let n = nodes.count;
     for (inverse, m) in nodes.inverse_mass[..n].iter_mut().zip(&nodes.mass[..n]) {
-        *inverse = 1.0 / m;
+        *inverse = if empty && *m == 0.0 { 0.0 } else { 1.0 / m };
     }
 }
 
@@ -317,7 +327,7 @@ impl<S: Shape<N>, const N: usize> Integrator for Explicit<S, N> {
         if result.is_err() {
             // leave the nodes as the committed body has them, not as the refused step did
             self.scatter(body);
-            invert_mass(&mut self.nodes);
+            invert_mass(&mut self.nodes, S::DOMAIN);
             let Nodes { velocity, momentum, inverse_mass, count, .. } = &mut self.nodes;
             self.path.run(Divide { out: velocity, momentum, inverse_mass, n: *count });
         }
@@ -357,6 +367,7 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
         let NodeBalance { stiffness, squares, mass, .. } = self.balance.as_ref();
         let floor = self.settings.mass_floor * body.total_mass() / body.len().max(1) as f64;
         let kappa = |i: usize| match self.settings.stress_update {
+            _ if S::DOMAIN && mass[i] == 0.0 => 0.0,
             StressUpdate::Musl => stiffness[i] * squares[i] / (mass[i] * mass[i]),
             StressUpdate::Usl => 2.0 * stiffness[i] / mass[i].max(floor),
         };

@@ -4,7 +4,7 @@ use crate::case::cursor::Cursor;
 use crate::case::keys::Keys;
 use crate::case::limits::{FRACTION, between};
 use crate::case::log::Problem;
-use crate::case::types::{Explicit, Kinematics, Locking, Scheme, Solver, StressUpdate};
+use crate::case::types::{Explicit, Kinematics, Locking, Scheme, ShapeFunctions, Solver, StressUpdate};
 
 /// Reads `[solver]`.
 pub(super) fn solver(root: &mut Keys<'_>) -> Option<Solver> {
@@ -12,8 +12,17 @@ pub(super) fn solver(root: &mut Keys<'_>) -> Option<Solver> {
     let scheme = keys.or("scheme", Scheme::Explicit, scheme);
     let kinematics = keys.or("kinematics", Kinematics::Hencky, |c| kinematics(c, scheme));
     let locking = keys.or("locking", Locking::None, locking);
+    let shape = keys.or("shape", ShapeFunctions::Linear, shape);
     keys.finish();
-    Some(Solver { scheme: scheme?, kinematics: kinematics?, locking: locking? })
+    Some(Solver { scheme: scheme?, kinematics: kinematics?, locking: locking?, shape: shape? })
+}
+
+fn shape(cursor: &Cursor<'_>) -> Option<ShapeFunctions> {
+    match cursor.word(&["linear", "gimp", "gimp_wide"])? {
+        "gimp" => Some(ShapeFunctions::Gimp),
+        "gimp_wide" => Some(ShapeFunctions::GimpWide),
+        _ => Some(ShapeFunctions::Linear),
+    }
 }
 
 fn scheme(cursor: &Cursor<'_>) -> Option<Scheme> {
