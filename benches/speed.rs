@@ -6,8 +6,9 @@
 //! million particle-steps per CPU second, best of the repeats, and the median of the paired
 //! ratios solver / loop.
 //!
-//! `cargo bench --bench speed` runs all; `-- --profile LAW POINTS STEPS` takes bare steps of the
-//! solver (`hencky` or `rate`, `coarse` or `fine`) for a profiler, `-- --quick` halves the work.
+//! `cargo bench --bench speed` runs all; `-- --profile LAW POINTS STEPS SHAPE` takes bare steps of
+//! the solver (`hencky` or `rate`, `coarse` or `fine`) for a profiler, `-- --quick` halves the work.
+//! A second table has the shape functions with domains against the bilinear ones.
 
 mod common;
 mod scalar;
@@ -35,6 +36,38 @@ fn all(pairs: usize) {
         compare::<Hencky>("hencky", size, pairs);
         compare::<Rate>("rate", size, pairs);
     }
+    println!(
+        "\n{:<10}{:>9}{:>9}{:>9}{:>18}{:>14}",
+        "shape", "points", "rate", "linear", "median (range)", "bytes/point"
+    );
+    for size in [COARSE, DENSE] {
+        for shape in ["gimp", "gimp_wide"] {
+            compare_shape(shape, size, pairs);
+        }
+    }
+}
+
+/// Shape functions with domains against the bilinear ones, with the Hencky law, in turns.
+fn compare_shape(shape: &str, size: Size, pairs: usize) {
+    let mut sims = [shape, "linear"].map(|s| solver("hencky", s, size));
+    let points = sims[0].body.len();
+    let work = (size.steps * points) as f64 * 1e-6;
+    let mut rates = [Vec::new(), Vec::new()];
+    for _ in 0..pairs {
+        for (sim, rates) in sims.iter_mut().zip(&mut rates) {
+            let clock = Clock::start();
+            advance(sim, size.steps);
+            rates.push(work / clock.seconds());
+        }
+    }
+    let ratios: Vec<f64> = rates[0].iter().zip(&rates[1]).map(|(a, b)| a / b).collect();
+    let [low, high] = range(&ratios);
+    let [rate, linear] = rates.map(|r| range(&r)[1]);
+    println!(
+        "{shape:<10}{points:>9}{rate:>9.2}{linear:>9.2}{:>18}{:>14.0}",
+        format!("{:.2} ({low:.2}-{high:.2})", median(&ratios)),
+        sims[0].bytes() as f64 / points as f64,
+    );
 }
 
 /// A size of the problem.
@@ -63,9 +96,9 @@ const DENSE: Size = Size {
     steps: 8,
 };
 
-fn solver(law: &str, size: Size) -> Simulation {
-    let kinematics = format!("solver.kinematics={law}");
-    let keys: Vec<&str> = size.keys.iter().copied().chain([kinematics.as_str()]).collect();
+fn solver(law: &str, shape: &str, size: Size) -> Simulation {
+    let chosen = [format!("solver.kinematics={law}"), format!("solver.shape={shape}")];
+    let keys: Vec<&str> = size.keys.iter().copied().chain(chosen.iter().map(String::as_str)).collect();
     let mut sim = simulation(SLOPE, &keys);
     while sim.time < size.start {
         advance(&mut sim, 1);
@@ -84,7 +117,7 @@ fn bare_loop<L: Law>(size: Size) -> Scalar<L> {
 }
 
 fn compare<L: Law>(name: &str, size: Size, pairs: usize) {
-    let (mut sim, mut slope) = (solver(name, size), bare_loop::<L>(size));
+    let (mut sim, mut slope) = (solver(name, "linear", size), bare_loop::<L>(size));
     let points = sim.body.len();
     assert_eq!(points, slope.points());
     let work = (size.steps * points) as f64 * 1e-6;
@@ -120,7 +153,7 @@ fn range(sample: &[f64]) -> [f64; 2] {
 fn profile(args: &[String]) {
     let get = |k: usize, other: &'static str| args.get(k).cloned().unwrap_or(other.to_owned());
     let size = if get(1, "coarse") == "fine" { DENSE } else { COARSE };
-    let mut sim = solver(&get(0, "hencky"), size);
+    let mut sim = solver(&get(0, "hencky"), &get(3, "linear"), size);
     let steps = get(2, "2000").parse().unwrap_or(2000);
     let clock = Clock::start();
     advance(&mut sim, steps);

@@ -145,7 +145,7 @@ fn record_has_every_key(record: &Value) {
     has(record, &[("/schema_version", 'n'), ("/units", 's'), ("/case_hash", 's'), ("/inputs", 'a')]);
     has(record, &[("/build/version", 's'), ("/build/commit", 's'), ("/build/rustc", 's'), ("/build/fp_path", 's')]);
     has(record, &[("/inputs/0/path", 's'), ("/inputs/0/sha256", 's'), ("/overrides", 'a')]);
-    has(record, &[("/scheme", 's'), ("/kinematics", 's'), ("/seed", 'n')]);
+    has(record, &[("/scheme", 's'), ("/kinematics", 's'), ("/shape", 's'), ("/seed", 'n')]);
     has(record, &[("/effects/0/name", 's'), ("/effects/0/on", 'b'), ("/effects/0/why", 's')]);
     has(record, &[("/dt_s/min", 'n'), ("/dt_s/mean", 'n'), ("/dt_s/max", 'n')]);
     has(record, &[("/outcome/status", 's'), ("/outcome/time_s", 'n'), ("/outcome/message", 's'), ("/fault", '0')]);
