@@ -133,8 +133,12 @@ pub fn place<S: Shape<N>, const N: usize>(s: &mut Scratch<N>, body: &Body, nodes
     for axis in 0..2 {
         load(&mut s.x.0[axis], &body.committed.x[axis], range);
     }
-    let half = if S::DOMAIN { domain::half_lengths(body, range) } else { [[0.0; LANES]; 2] };
-    S::fill(&nodes.grid, &s.x.0[0], &s.x.0[1], &half, &mut s.stencil);
+    let [x, y] = &s.x.0;
+    if S::DOMAIN {
+        S::fill(&nodes.grid, x, y, &domain::half_lengths(body, range), &mut s.stencil);
+    } else {
+        S::fill(&nodes.grid, x, y, &[[0.0; LANES]; 2], &mut s.stencil);
+    }
 }
 
 /// Spreads nodal columns to the points of the block.

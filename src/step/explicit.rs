@@ -145,7 +145,7 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
     fn update_nodes(&mut self, body: &Body, clock: Clock, mean_mass: f64, work: &mut Work) -> [f64; 2] {
         let Explicit { nodes, effects, path, .. } = self;
         effects.iter_mut().for_each(|e| e.ledger_mut().begin());
-        invert_mass(nodes, S::DOMAIN);
+        invert_mass::<S, N>(nodes);
         let Nodes { old_velocity: out, momentum, inverse_mass, count, .. } = &mut *nodes;
         path.run(Divide { out, momentum, inverse_mass, n: *count });
         let floor = withhold(nodes, clock.dt, self.settings.mass_floor * mean_mass);
@@ -227,13 +227,13 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
 /// Steps between two counts of the domains that are longer than the shape takes.
 const CLAMPS_EVERY: u64 = 20;
 
-/// 1 / m on the active nodes. With `empty` there may be nodes of weight 0 to all points: they have
+/// 1 / m on the active nodes. With domains there may be nodes of weight 0 to all points: they have
 /// no gradient and so no force either (see `space::gimp`), get 0 and stay at rest.
-#[inline(always)]
-fn invert_mass(nodes: &mut Nodes, empty: bool) {
+#[inline(never)]
+fn invert_mass<S: Shape<N>, const N: usize>(nodes: &mut Nodes) {
     let n = nodes.count;
     for (inverse, m) in nodes.inverse_mass[..n].iter_mut().zip(&nodes.mass[..n]) {
-        *inverse = if empty && *m == 0.0 { 0.0 } else { 1.0 / m };
+        *inverse = if S::DOMAIN && *m == 0.0 { 0.0 } else { 1.0 / m };
     }
 }
 
@@ -327,7 +327,7 @@ impl<S: Shape<N>, const N: usize> Integrator for Explicit<S, N> {
         if result.is_err() {
             // leave the nodes as the committed body has them, not as the refused step did
             self.scatter(body);
-            invert_mass(&mut self.nodes, S::DOMAIN);
+            invert_mass::<S, N>(&mut self.nodes);
             let Nodes { velocity, momentum, inverse_mass, count, .. } = &mut self.nodes;
             self.path.run(Divide { out: velocity, momentum, inverse_mass, n: *count });
         }
