@@ -5,6 +5,7 @@
 //! and the law sits behind one virtual call a block.
 
 pub mod response;
+pub mod smooth;
 
 use std::ops::Range;
 

@@ -29,6 +29,8 @@ pub struct State {
     pub jacobian: Strip,
     /// History columns of the laws.
     pub history: Vec<Strip>,
+    /// Acceleration (m/s2); no column unless a time scheme remembers it.
+    pub acceleration: Vec<Strip>,
     /// Total deformation gradient: xx, xy, yx, yy; no column unless domains are tracked.
     pub deformation: Vec<Strip>,
 }
@@ -41,6 +43,7 @@ impl State {
             .chain(&mut self.strain)
             .chain(std::iter::once(&mut self.jacobian))
             .chain(&mut self.history)
+            .chain(&mut self.acceleration)
             .chain(&mut self.deformation)
     }
 
@@ -140,6 +143,14 @@ impl Body {
         let (n, columns) = (self.len(), 9 + self.committed.history.len());
         self.committed.deformation = State::identity(n, 2 + 2 * columns);
         self.trial.deformation = State::identity(n, 6 + 2 * columns);
+    }
+
+    /// Keeps accelerations from now on, starting from rest.
+    pub fn track_accelerations(&mut self) {
+        let n = self.len();
+        for (state, first) in [(&mut self.committed, 5), (&mut self.trial, 7)] {
+            state.acceleration = (0..2).map(|k| Strip::new(n, 0.0, first + k)).collect();
+        }
     }
 
     fn push_group(&mut self, seed: GroupSeed) {
@@ -338,7 +349,10 @@ impl Body {
             .iter()
             .flat_map(|g| g.params.iter().map(|c| if let Column::Varying(v) = c { v.len() } else { 0 }))
             .sum();
-        let state = 9 + self.committed.history.len() + self.committed.deformation.len();
+        let state = 9 + [&self.committed.history, &self.committed.acceleration, &self.committed.deformation]
+            .map(Vec::len)
+            .iter()
+            .sum::<usize>();
         let fixed = (2 * state + 3) * 8 + 8 + 4 + 16;
         fixed as f64 + varying as f64 * 8.0 / self.len().max(1) as f64
     }

@@ -101,6 +101,15 @@ impl System {
         self.pattern.block(j, offset_bit(0, 0)) + axis * (self.pattern.stride(j) + 1)
     }
 
+    /// Index of the first entry of block (`row`, `column`) by slots, which must be coupled, and the
+    /// stride to its second column.
+    pub fn block(&self, row: usize, column: usize) -> (usize, usize) {
+        let (i, j) = (self.pattern.rank(row), self.pattern.rank(column));
+        let ([xi, yi], [xj, yj]) = (self.pattern.place(i), self.pattern.place(j));
+        let bit = offset_bit(xi as i32 - xj as i32, yi as i32 - yj as i32);
+        (self.pattern.block(j, bit), self.pattern.stride(j))
+    }
+
     /// Adds to a diagonal entry.
     pub fn add_diagonal(&mut self, slot: usize, axis: usize, value: f64) {
         let k = self.diagonal(slot, axis);

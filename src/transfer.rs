@@ -3,12 +3,15 @@
 use std::ops::Range;
 
 use crate::{
-    assembly::{Scratch, collect, deposit, place, response::Kept, spread},
+    assembly::{self, Scratch, collect, deposit, place, response::Kept, spread},
     body::{Body, chunks, load, store},
     fault::{Fault, FaultKind},
     math::simd::Kernel,
     nodes::Nodes,
-    space::{Grid, Shape, Stencil, stencil::LANES},
+    space::{
+        Grid, Shape, Stencil,
+        stencil::{LANES, Lane},
+    },
     system::System,
 };
 
@@ -131,6 +134,7 @@ fn remap<const N: usize>(s: &mut Scratch<N>, nodes: &mut Nodes, block: usize) {
 /// ```text
 /// x_p += sum N_i du_i
 /// v_p  = (1 - a) (v_p + sum N_i (v_i - v_i,old)) + a sum N_i v_i
+/// a_p  = sum N_i a_i, where the time scheme remembers it
 /// ```
 pub struct Carry<'a, S, const N: usize> {
     pub scratch: &'a mut Scratch<N>,
@@ -139,6 +143,8 @@ pub struct Carry<'a, S, const N: usize> {
     pub kept: &'a Kept<N>,
     pub system: &'a System,
     pub moving: bool,
+    /// a_i at the end of the step; empty where it is not remembered.
+    pub acceleration: &'a [Vec<f64>; 2],
     /// a, the share of PIC in this step.
     pub pic: f64,
     pub shape: S,
@@ -149,7 +155,7 @@ impl<S: Copy, const N: usize> Kernel for Carry<'_, S, N> {
 
     #[inline(always)]
     fn run(self) -> Self::Output {
-        let Carry { scratch: s, body, nodes, kept, system, moving, pic, .. } = self;
+        let Carry { scratch: s, body, nodes, kept, system, moving, acceleration, pic, .. } = self;
         let mut block = 0;
         for g in 0..body.groups.len() {
             for range in chunks(body.groups[g].range.clone()) {
@@ -168,10 +174,25 @@ impl<S: Copy, const N: usize> Kernel for Carry<'_, S, N> {
                     store(&s.x.0[axis], &mut body.trial.x[axis], &range);
                     store(&s.v.0[axis], &mut body.trial.v[axis], &range);
                 }
+                for axis in 0..2 {
+                    if !acceleration[axis].is_empty() {
+                        spread(s.runs.of(block), &mut s.nodal, [&acceleration[axis]]);
+                        interpolate(&s.nodal[0], stencil, &mut s.v.0[axis]);
+                        store(&s.v.0[axis], &mut body.trial.acceleration[axis], &range);
+                    }
+                }
                 block += 1;
             }
         }
         Ok(())
+    }
+}
+
+/// sum N_i a_i.
+#[inline(always)]
+fn interpolate<const N: usize>(nodal: &assembly::Spread<N>, stencil: &Stencil<N>, out: &mut Lane) {
+    for i in 0..LANES {
+        out[i] = (0..N).map(|k| stencil.weight[k][i] * nodal.0[k][i]).sum();
     }
 }
 

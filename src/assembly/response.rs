@@ -8,6 +8,7 @@ use super::{BodyRuns, Patch, RunPatch, Scratch, collect, deposit, dot, load_poin
 use crate::{
     block::{Block, Moduli3},
     body::{Body, chunks, load, set_uniform},
+    domain,
     fault::Fault,
     math::{simd::Kernel, sparse::offset_bit},
     nodes::Nodes,
@@ -22,19 +23,25 @@ use crate::{
 pub struct Kept<const N: usize> {
     pub stencils: Vec<Stencil<N>>,
     /// Bit of node i of a patch as seen from its node j.
-    bits: [[u32; N]; N],
+    pub(super) bits: [[u32; N]; N],
     /// All nodes of a patch as seen from its node k.
     masks: [u64; N],
-    points: Box<PointBuffers<N>>,
+    pub(super) points: Box<PointBuffers>,
+    /// Where the dilatation is smoothed over cells: the cells, and the cell of each point.
+    pub cells: Option<Box<Cells>>,
 }
 
-/// Buffers of one block in the tangent.
-struct PointBuffers<const N: usize> {
-    moduli: Moduli3,
+/// Buffers of one block.
+pub(super) struct PointBuffers {
+    pub moduli: Moduli3,
+    pub kirchhoff: Kirchhoff,
     nominal: Nominal,
     /// V0 d P_aA / d (grad du)_cB: row a A, column c B.
     stiffness: [[Lane; 4]; 4],
 }
+
+/// J sigma: xx, yy, xy (kPa).
+pub(super) type Kirchhoff = [Lane; 3];
 
 /// V0 P_aA, with P = J sigma F^-T: xx, xy, yx, yy (kN m/m).
 type Nominal = [Lane; 4];
@@ -48,16 +55,21 @@ impl<const N: usize> Kept<N> {
         let bit = |i: usize, j: usize| offset_bit(place[i][0] - place[j][0], place[i][1] - place[j][1]);
         let bits: [[u32; N]; N] = std::array::from_fn(|i| std::array::from_fn(|j| bit(i, j)));
         let masks = std::array::from_fn(|k| (0..N).fold(0, |m, l| m | 1 << bits[l][k]));
-        Kept { stencils: Vec::new(), bits, masks, points: Box::default() }
+        Kept { stencils: Vec::new(), bits, masks, points: Box::default(), cells: None }
+    }
+
+    /// Smooths the dilatation over the cells from now on.
+    pub fn smooth(&mut self) {
+        self.cells = Some(Box::default());
     }
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.stencils.capacity() * size_of::<Stencil<N>>()
+        self.stencils.capacity() * size_of::<Stencil<N>>() + self.cells.as_ref().map_or(0, |c| c.bytes())
     }
 }
 
-impl<const N: usize> Default for PointBuffers<N> {
+impl Default for PointBuffers {
     fn default() -> Self {
         PointBuffers { moduli: [[[0.0; LANES]; 4]; 3], nominal: [[0.0; LANES]; 4], stiffness: [[[0.0; LANES]; 4]; 4] }
     }
@@ -80,6 +92,9 @@ impl<S: Shape<N>, const N: usize> Kernel for Keep<'_, S, N> {
     fn run(self) {
         let Keep { scratch: s, body, nodes, kept, system, .. } = self;
         let mut block = 0;
+        if let Some(cells) = &mut kept.cells {
+            cells.begin(&nodes.grid, body.len());
+        }
         for group in &body.groups {
             for range in chunks(group.range.clone()) {
                 place::<S, N>(s, body, nodes, &range);
@@ -91,8 +106,53 @@ impl<S: Shape<N>, const N: usize> Kernel for Keep<'_, S, N> {
                     for (slot, mask) in run.slots.iter().zip(kept.masks) {
                         system.couple(*slot as usize, mask);
                     }
+                    if let Some(cells) = &mut kept.cells {
+                        for lane in run.start as usize..run.end as usize {
+                            cells.place(&nodes.grid, range.start + lane, [s.x.0[0][lane], s.x.0[1][lane]], &run.slots);
+                        }
+                    }
                 }
                 block += 1;
+            }
+        }
+        if let Some(cells) = &kept.cells {
+            cells.couple(nodes, system);
+        }
+    }
+}
+
+/// What points carry, to the nodes by the kept stencils: out_i = sum N_i(x_p) q_p.
+pub struct Map<'a, Q, const N: usize> {
+    pub scratch: &'a mut Scratch<N>,
+    pub body: &'a Body,
+    pub kept: &'a Kept<N>,
+    /// q of the points with these indices in the body, for an axis.
+    pub quantity: Q,
+    pub out: &'a mut [Vec<f64>; 2],
+}
+
+impl<Q: Fn(usize, usize) -> f64, const N: usize> Kernel for Map<'_, Q, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Map { scratch: s, body, kept, quantity, out } = self;
+        let ranges = body.groups.iter().flat_map(|g| chunks(g.range.clone()));
+        for (block, range) in ranges.enumerate() {
+            let stencil = &kept.stencils[block];
+            for axis in 0..2 {
+                for (lane, i) in range.clone().enumerate() {
+                    let q = quantity(i, axis);
+                    for k in 0..N {
+                        s.shares[axis].0[k][lane] = stencil.weight[k][lane] * q;
+                    }
+                }
+            }
+            for run in s.runs.of(block) {
+                let slots = run.slots.map(|s| s as usize);
+                let [x, y] = collect(&s.shares[..2], run);
+                deposit(&mut out[0], &slots, x);
+                deposit(&mut out[1], &slots, y);
             }
         }
     }
@@ -127,19 +187,17 @@ impl<S: Shape<N>, const N: usize> Kernel for Respond<'_, S, N> {
             for range in chunks(body.groups[g].range.clone()) {
                 let stencil = &kept.stencils[block];
                 strain(s, stencil, system, block);
+                if S::DOMAIN && finite {
+                    domain::deform(body, &s.block.du, &range);
+                }
                 update(s, body, g, &range)?;
                 plastic_work += dot(&s.block.dissipation, &s.volume.0, range.len());
                 let points = kept.points.as_mut();
-                nominal(&s.block, &s.volume.0, finite, &mut points.nominal);
-                force(s, stencil, &points.nominal, system, block);
+                kirchhoff(&s.block, &mut points.kirchhoff);
                 if tangent {
                     system.symmetric &= body.groups[g].law.linearise(&s.block, &mut points.moduli);
-                    pull_back(&s.block, &s.volume.0, finite, &points.moduli, &mut points.stiffness);
-                    for run in s.runs.of(block) {
-                        let k = of_run(stencil, &points.stiffness, run);
-                        add(system, &kept.bits, run, &k);
-                    }
                 }
+                respond(s, stencil, &kept.bits, points, system, Pass { block, finite, tangent });
                 block += 1;
             }
         }
@@ -147,9 +205,49 @@ impl<S: Shape<N>, const N: usize> Kernel for Respond<'_, S, N> {
     }
 }
 
+/// Which block a pass is at, and what it does there.
+#[derive(Clone, Copy)]
+pub(super) struct Pass {
+    pub block: usize,
+    pub finite: bool,
+    pub tangent: bool,
+}
+
+/// Force and stiffness of a block from its stress and moduli.
+#[inline(always)]
+pub(super) fn respond<const N: usize>(
+    s: &mut Scratch<N>,
+    stencil: &Stencil<N>,
+    bits: &[[u32; N]; N],
+    points: &mut PointBuffers,
+    system: &mut System,
+    pass: Pass,
+) {
+    nominal(&s.block, &s.volume.0, pass.finite, &points.kirchhoff, &mut points.nominal);
+    force(s, stencil, &points.nominal, system, pass.block);
+    if pass.tangent {
+        pull_back(&s.block, &s.volume.0, pass.finite, &points.kirchhoff, &points.moduli, &mut points.stiffness);
+        for run in s.runs.of(pass.block) {
+            let k = of_run(stencil, &points.stiffness, run);
+            add(system, bits, run, &k);
+        }
+    }
+}
+
+/// J sigma of the block.
+#[inline(always)]
+pub(super) fn kirchhoff(b: &Block, out: &mut Kirchhoff) {
+    for i in 0..LANES {
+        let j = b.trial_jacobian[i];
+        out[0][i] = j * b.stress[0][i];
+        out[1][i] = j * b.stress[1][i];
+        out[2][i] = j * b.stress[3][i];
+    }
+}
+
 /// grad du = sum du_i (x) grad N_i.
 #[inline(always)]
-fn strain<const N: usize>(s: &mut Scratch<N>, stencil: &Stencil<N>, system: &System, block: usize) {
+pub(super) fn strain<const N: usize>(s: &mut Scratch<N>, stencil: &Stencil<N>, system: &System, block: usize) {
     let [ux, uy] = &system.du;
     spread(s.runs.of(block), &mut s.nodal, [ux, uy]);
     let [ux, uy, ..] = &s.nodal;
@@ -170,7 +268,12 @@ fn strain<const N: usize>(s: &mut Scratch<N>, stencil: &Stencil<N>, system: &Sys
 
 /// Law over the block; the results go to the body's trial state.
 #[inline(always)]
-fn update<const N: usize>(s: &mut Scratch<N>, body: &mut Body, g: usize, range: &Range<usize>) -> Result<(), Fault> {
+pub(super) fn update<const N: usize>(
+    s: &mut Scratch<N>,
+    body: &mut Body,
+    g: usize,
+    range: &Range<usize>,
+) -> Result<(), Fault> {
     load_point_state(&mut s.block, &body.groups[g], body, range);
     if let Err(fault) = body.groups[g].law.update(&mut s.block) {
         return Err(body.blame(fault, range.start));
@@ -182,7 +285,7 @@ fn update<const N: usize>(s: &mut Scratch<N>, body: &mut Body, g: usize, range: 
 
 /// F^-1 of lane `i`: [[xx, xy], [yx, yy]].
 #[inline(always)]
-fn inverse(b: &Block, i: usize, finite: bool) -> [[f64; 2]; 2] {
+pub(super) fn inverse(b: &Block, i: usize, finite: bool) -> [[f64; 2]; 2] {
     if !finite {
         return [[1.0, 0.0], [0.0, 1.0]];
     }
@@ -193,10 +296,9 @@ fn inverse(b: &Block, i: usize, finite: bool) -> [[f64; 2]; 2] {
 
 /// V0 P = V0 J sigma F^-T.
 #[inline(always)]
-fn nominal(b: &Block, volume: &Lane, finite: bool, out: &mut Nominal) {
+fn nominal(b: &Block, volume: &Lane, finite: bool, t: &Kirchhoff, out: &mut Nominal) {
     for i in 0..LANES {
-        let w = volume[i] * b.trial_jacobian[i];
-        let (txx, tyy, txy) = (w * b.stress[0][i], w * b.stress[1][i], w * b.stress[3][i]);
+        let [txx, tyy, txy] = [volume[i] * t[0][i], volume[i] * t[1][i], volume[i] * t[2][i]];
         let f = inverse(b, i, finite);
         out[0][i] = txx * f[0][0] + txy * f[0][1];
         out[1][i] = txx * f[1][0] + txy * f[1][1];
@@ -233,11 +335,10 @@ fn scatter<const N: usize>(runs: &BodyRuns<N>, shares: &[Patch<N>], system: &mut
 /// C_ab,cd = d t_ab / d l_cd - t_ad delta_bc,   A_aA,cB = V0 G_Ab C_ab,cd G_Bd
 /// ```
 #[inline(always)]
-fn pull_back(b: &Block, volume: &Lane, finite: bool, m: &Moduli3, out: &mut [[Lane; 4]; 4]) {
+fn pull_back(b: &Block, volume: &Lane, finite: bool, kirchhoff: &Kirchhoff, m: &Moduli3, out: &mut [[Lane; 4]; 4]) {
     let turn = if finite { 1.0 } else { 0.0 };
     for i in 0..LANES {
-        let j = turn * b.trial_jacobian[i];
-        let (txx, tyy, txy) = (j * b.stress[0][i], j * b.stress[1][i], j * b.stress[3][i]);
+        let [txx, tyy, txy] = [turn * kirchhoff[0][i], turn * kirchhoff[1][i], turn * kirchhoff[2][i]];
         let t = [[txx, txy], [txy, tyy]];
         let g = inverse(b, i, finite);
         for a in 0..2 {

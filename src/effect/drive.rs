@@ -1,7 +1,7 @@
 //! Prescribed motion of the nodes in a box.
 
 use super::{Clock, Effect, Ledger, Pass, Stages, velocity_of};
-use crate::{nodes::Nodes, space::Grid};
+use crate::{nodes::Nodes, space::Grid, system::System};
 
 /// Nodes this close to the edge of a box are in it (cells): the sums that place both round.
 const EDGE: f64 = 1e-6;
@@ -17,6 +17,8 @@ pub struct Drive {
     until: f64,
     /// Active nodes in the box in this step.
     inside: Vec<u32>,
+    /// Axes of the nodes `inside` that this drive holds (implicit scheme).
+    held: Vec<[bool; 2]>,
     ledger: Ledger,
 }
 
@@ -24,7 +26,7 @@ impl Drive {
     /// A box (m) whose nodes have the `velocity` (m/s) of each driven axis up to `until` (s), and
     /// are then held; it goes with them if it is `moving`.
     pub fn new(area: [[f64; 2]; 2], velocity: [Option<f64>; 2], moving: bool, until: f64) -> Self {
-        Drive { area, velocity, moving, until, inside: Vec::new(), ledger: Ledger::default() }
+        Drive { area, velocity, moving, until, inside: Vec::new(), held: Vec::new(), ledger: Ledger::default() }
     }
 
     /// The box at a time (m).
@@ -86,6 +88,27 @@ impl Effect for Drive {
         for (axis, velocity) in self.velocity_in(clock).into_iter().enumerate() {
             if let Some(velocity) = velocity {
                 self.set(nodes, pass, axis, velocity);
+            }
+        }
+    }
+
+    fn hold(&mut self, nodes: &Nodes, clock: Clock, system: &mut System, iteration: u32) -> u32 {
+        if iteration == 0 {
+            self.find(nodes, clock);
+        }
+        let way = self.velocity_in(clock).map(|v| v.map(|v| v * clock.dt));
+        let hold = |s: &u32| [0, 1].map(|axis| way[axis].is_some_and(|way| system.hold(*s as usize, axis, way)));
+        self.held.clear();
+        self.held.extend(self.inside.iter().map(hold));
+        0
+    }
+
+    fn settle(&mut self, _: &Nodes, clock: Clock, system: &System) {
+        for (s, held) in self.inside.iter().zip(&self.held) {
+            for axis in (0..2).filter(|&axis| held[axis]) {
+                let force = system.reaction(*s as usize, axis);
+                self.ledger.step.impulse[axis] += force * clock.dt;
+                self.ledger.step.external += force * system.du[axis][*s as usize];
             }
         }
     }

@@ -3,9 +3,11 @@
 use crate::{
     assembly::{
         Scatter, Scratch,
-        response::{Keep, Kept, Respond},
+        response::{Keep, Kept, Map, Respond},
+        smooth::RespondSmoothed,
     },
     body::{Body, chunks},
+    domain,
     effect::{Clock, Effect, Inertia, Sink, TimeScheme, inertia::Weights},
     fault::{Fault, FaultKind},
     math::{
@@ -16,7 +18,7 @@ use crate::{
     },
     nodes::Nodes,
     space::{Grid, Shape},
-    step::{Books, Event, Integrator, Report},
+    step::{Books, Event, Integrator, Report, load},
     system::System,
     transfer::Carry,
     work::Work,
@@ -38,6 +40,8 @@ pub struct Settings {
     pub regime: Regime,
     pub tolerances: Tolerances,
     pub line_search: bool,
+    /// Whether the dilatation is smoothed over cells (B-bar).
+    pub smooth: bool,
     /// Local error of the displacement allowed in a step, in cells; `None`: not looked at.
     pub tolerance: Option<f64>,
     /// Rate of PIC (1/s).
@@ -59,6 +63,9 @@ pub struct Implicit<S, const N: usize> {
     effects: Vec<Box<dyn Effect>>,
     /// Internal force at the start of the step (kN/m), where the scheme needs it.
     start_force: [Vec<f64>; 2],
+    /// Effects that load points, and the forces on these.
+    loads: Vec<usize>,
+    point_forces: load::PointForces,
     plastic: f64,
     path: FpPath,
     filled: bool,
@@ -84,18 +91,24 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
             Regime::Dynamic(scheme) => Some(Inertia::new(scheme)),
             Regime::QuasiStatic | Regime::Auto(_) => None,
         };
+        let mut kept = Kept::new::<S>();
+        if settings.smooth {
+            kept.smooth();
+        }
         Implicit {
             shape,
             settings,
             nodes: Nodes::new(grid),
             scratch: Box::default(),
-            kept: Kept::new::<S>(),
+            kept,
             system: System::default(),
             solver: Solver::new(settings.solver),
             convergence: Convergence::new(settings.tolerances),
             inertia,
+            loads: (0..effects.len()).filter(|&e| effects[e].stages().load).collect(),
             effects,
             start_force: Default::default(),
+            point_forces: Default::default(),
             plastic: 0.0,
             path: FpPath::best(),
             filled: false,
@@ -145,10 +158,10 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
                 effect.survey(body, &grid);
             }
         }
-        self.load(clock, weights);
+        self.load(body, clock, weights);
         self.convergence.begin();
         let Some(w) = weights else { return Ok(()) };
-        self.map_velocity();
+        self.map_motion(body);
         if w.w1 < 1.0 {
             self.respond(body, false)?;
             for axis in 0..2 {
@@ -163,7 +176,7 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
     }
 
     /// External forces on the nodes, at t + w1 dt.
-    fn load(&mut self, clock: Clock, weights: Option<Weights>) {
+    fn load(&mut self, body: &Body, clock: Clock, weights: Option<Weights>) {
         let n = self.nodes.count;
         self.nodes.force.iter_mut().for_each(|f| f[..n].fill(0.0));
         let instant = instant(clock, weights);
@@ -172,15 +185,35 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
                 effect.force(&mut self.nodes, instant);
             }
         }
+        if !self.loads.is_empty() {
+            load::gather(&mut self.point_forces, &mut self.effects, &self.loads, body, instant);
+            let Implicit { scratch, kept, nodes, point_forces, path, .. } = self;
+            let quantity = |i: usize, axis: usize| point_forces[axis][i];
+            path.run(Map { scratch: scratch.as_mut(), body, kept, quantity, out: &mut nodes.force });
+        }
     }
 
-    fn map_velocity(&mut self) {
-        let Nodes { old_velocity, momentum, mass, count, .. } = &mut self.nodes;
-        for axis in 0..2 {
-            for (v, (p, m)) in old_velocity[axis][..*count].iter_mut().zip(momentum[axis].iter().zip(mass.iter())) {
-                *v = if *m > 0.0 { p / m } else { 0.0 };
-            }
+    /// Velocities of the nodes at the start, and accelerations where they are remembered.
+    fn map_motion(&mut self, body: &mut Body) {
+        let Implicit { scratch, kept, nodes, inertia, path, .. } = self;
+        let Nodes { old_velocity, mass, count, .. } = nodes;
+        let (n, committed) = (*count, &body.committed);
+        old_velocity.iter_mut().for_each(|v| v[..n].fill(0.0));
+        let momentum = |i: usize, axis: usize| body.mass[i] * committed.v[axis][i];
+        path.run(Map { scratch: scratch.as_mut(), body, kept, quantity: momentum, out: old_velocity });
+        divide(old_velocity, &mass[..n]);
+        let Some(inertia) = inertia.as_mut().filter(|i| i.scheme.remembers()) else { return };
+        if body.committed.acceleration.is_empty() {
+            body.track_accelerations();
         }
+        for axis in &mut inertia.start {
+            axis.clear();
+            axis.resize(n, 0.0);
+        }
+        let committed = &body.committed;
+        let force = |i: usize, axis: usize| body.mass[i] * committed.acceleration[axis][i];
+        path.run(Map { scratch: scratch.as_mut(), body, kept, quantity: force, out: &mut inertia.start });
+        divide(&mut inertia.start, &mass[..n]);
     }
 
     /// Newton's iteration to convergence; the plastic work of the step (kJ/m).
@@ -257,7 +290,16 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
     fn respond(&mut self, body: &mut Body, tangent: bool) -> Result<f64, Fault> {
         self.system.clear(tangent);
         let Implicit { scratch, kept, system, path, shape, .. } = self;
-        path.run(Respond { scratch: scratch.as_mut(), body, kept, system, tangent, shape: *shape })
+        let (scratch, shape) = (scratch.as_mut(), *shape);
+        match kept.cells.take() {
+            None => path.run(Respond { scratch, body, kept, system, tangent, shape }),
+            Some(mut cells) => {
+                let result =
+                    path.run(RespondSmoothed { scratch, body, kept, cells: &mut cells, system, tangent, shape });
+                kept.cells = Some(cells);
+                result
+            }
+        }
     }
 
     /// Residual and tangent at the present increment, with what supports and contacts make of it.
@@ -315,15 +357,16 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
         }
         let pic = -(-self.settings.pic_rate * clock.dt).exp_m1();
         let moving = weights.is_some();
-        let Implicit { scratch, nodes, kept, system, path, shape, .. } = self;
+        let Implicit { scratch, nodes, kept, system, inertia, path, shape, .. } = self;
         let shape = *shape;
-        path.run(Carry { scratch: scratch.as_mut(), body, nodes, kept, system, moving, pic, shape })
+        let none = Default::default();
+        let acceleration = inertia.as_ref().map_or(&none, |i| &i.start);
+        path.run(Carry { scratch: scratch.as_mut(), body, nodes, kept, system, moving, acceleration, pic, shape })
     }
 
     /// The books of the effects.
     fn settle(&mut self, body: &Body, clock: Clock, weights: Option<Weights>) {
         let Implicit { effects, nodes, system, .. } = self;
-        let _ = body;
         self.kinetic = if weights.is_some() { nodes.kinetic_energy() } else { 0.0 };
         // what is booked from velocities is booked from the mean velocity of the step
         let n = nodes.count;
@@ -336,6 +379,9 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
         for effect in effects.iter_mut() {
             if effect.stages().account {
                 effect.account(nodes, instant);
+            }
+            if effect.stages().load {
+                effect.account_points(body, instant);
             }
             effect.settle(nodes, clock, system);
             if weights.is_none() {
@@ -362,6 +408,10 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
         let (growths, high) = self.nodes.growth();
         work.node_growths = growths;
         work.max_active_nodes = high as u64;
+        if S::DOMAIN {
+            let clamped = domain::longer_than(body, S::LONGEST * self.nodes.grid.h * (1.0 + 1e-9));
+            work.domain_clamps = work.domain_clamps.max(clamped);
+        }
         self.keep_sorted(body, work);
     }
 
@@ -375,7 +425,7 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
         if self.runs_when_sorted == 0 {
             self.runs_when_sorted = runs;
         } else if runs > self.runs_when_sorted + self.runs_when_sorted / 4 + 8 {
-            body.sort(&self.nodes.grid);
+            body.sort(&S::order(&self.nodes.grid));
             self.runs_when_sorted = 0;
             work.sorts += 1;
         }
@@ -402,6 +452,13 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
 
 /// Residual above which convergence is judged for its order.
 const ORDER_FLOOR: f64 = 1e-12;
+
+/// out / mass; 0 where there is no mass.
+fn divide(out: &mut [Vec<f64>; 2], mass: &[f64]) {
+    for column in out {
+        column.iter_mut().zip(mass).for_each(|(v, m)| *v = if *m > 0.0 { *v / m } else { 0.0 });
+    }
+}
 
 /// How far from balance an increment is.
 #[derive(Clone, Copy, Debug)]
