@@ -208,16 +208,7 @@ impl System {
     /// Correction of the increment: K delta = -r, with sliding rows combined and held unknowns
     /// taken to their targets. Call [`System::norms`] first.
     pub fn solve(&mut self, solver: &mut Solver, work: &mut Work) -> Result<Solution, Fault> {
-        for axis in 0..2 {
-            for slot in 0..self.slots.min(self.impact_slope.len()) {
-                if self.inelastic[axis][slot] {
-                    self.add_diagonal(slot, axis, self.impact_slope[slot]);
-                }
-            }
-        }
-        for k in 0..self.slips.len() {
-            self.combine_rows(self.slips[k]);
-        }
+        self.finish_rows();
         self.symmetric &= self.slips.is_empty();
         for axis in 0..2 {
             for slot in 0..self.slots {
@@ -229,6 +220,20 @@ impl System {
         self.fill_empty_rows();
         let System { pattern, values, symmetric, rhs, delta, .. } = self;
         solver.solve(pattern, values, *symmetric, rhs, delta, work)
+    }
+
+    /// Stops of held and touching unknowns, and the rows of sliding nodes.
+    fn finish_rows(&mut self) {
+        for axis in 0..2 {
+            for slot in 0..self.slots.min(self.impact_slope.len()) {
+                if self.inelastic[axis][slot] {
+                    self.add_diagonal(slot, axis, self.impact_slope[slot]);
+                }
+            }
+        }
+        for k in 0..self.slips.len() {
+            self.combine_rows(self.slips[k]);
+        }
     }
 
     /// Row t += factor x row n, within the blocks of one node.
@@ -295,6 +300,26 @@ impl System {
     /// Largest component of the last correction (m).
     pub fn largest_correction(&self) -> f64 {
         self.delta.iter().fold(0.0, |a: f64, d| a.max(d.abs()))
+    }
+
+    /// Right-hand side, not a number in held rows, and the dense tangent.
+    #[cfg(test)]
+    pub(crate) fn free_equations(&mut self) -> (Vec<f64>, Vec<Vec<f64>>) {
+        self.norms();
+        self.finish_rows();
+        for axis in 0..2 {
+            for slot in (0..self.slots).filter(|&s| self.held[axis][s]) {
+                self.rhs[2 * self.pattern.rank(slot) + axis] = f64::NAN;
+            }
+        }
+        let n = self.pattern.dim();
+        let mut dense = vec![vec![0.0; n]; n];
+        for (column, ends) in self.pattern.col_ptr().windows(2).enumerate() {
+            for k in ends[0] as usize..ends[1] as usize {
+                dense[self.pattern.row_idx()[k] as usize][column] += self.values[k];
+            }
+        }
+        (self.rhs.clone(), dense)
     }
 
     /// Bytes held.

@@ -3,8 +3,10 @@
 
 use std::ops::Range;
 
-use super::store_point_state;
-use super::{BodyRuns, Patch, RunPatch, Scratch, collect, deposit, dot, load_point_state, place, spread};
+use super::{
+    BodyRuns, Patch, RunPatch, Scratch, collect, deposit, dot, load_point_state, place, smooth::Cells, spread,
+    store_point_state,
+};
 use crate::{
     block::{Block, Moduli3},
     body::{Body, chunks, load, set_uniform},
@@ -71,7 +73,12 @@ impl<const N: usize> Kept<N> {
 
 impl Default for PointBuffers {
     fn default() -> Self {
-        PointBuffers { moduli: [[[0.0; LANES]; 4]; 3], nominal: [[0.0; LANES]; 4], stiffness: [[[0.0; LANES]; 4]; 4] }
+        PointBuffers {
+            moduli: [[[0.0; LANES]; 4]; 3],
+            kirchhoff: [[0.0; LANES]; 3],
+            nominal: [[0.0; LANES]; 4],
+            stiffness: [[[0.0; LANES]; 4]; 4],
+        }
     }
 }
 

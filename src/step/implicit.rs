@@ -550,3 +550,6 @@ impl<S: Shape<N>, const N: usize> Integrator for Implicit<S, N> {
         &self.events
     }
 }
+
+#[cfg(test)]
+mod tests;
