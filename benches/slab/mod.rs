@@ -88,9 +88,10 @@ impl Slab {
         let base = if kind == Kind::Slipping { cells[0] as usize + 1 } else { 0 };
         let [pointers, rows] = [self.pattern.col_ptr(), self.pattern.row_idx()];
         for column in 0..self.pattern.dim() {
-            for k in pointers[column] as usize..pointers[column + 1] as usize {
-                let row = rows[k] as usize;
-                if row % 2 == 0 && row / 2 < base {
+            let range = pointers[column] as usize..pointers[column + 1] as usize;
+            for (k, &row) in range.clone().zip(&rows[range]) {
+                let row = row as usize;
+                if row.is_multiple_of(2) && row / 2 < base {
                     self.values[k] += FRICTION * self.values[k + 1];
                 }
                 if held[row] || held[column] {

@@ -258,17 +258,26 @@ impl Pattern {
         }
     }
 
+    /// `out = A^T`, in the order of the structure.
+    pub fn transposed(&self, values: &[f64], out: &mut [f64]) {
+        self.mirror(|here, there| out[here] = values[there]);
+    }
+
     /// `out = (A + A^T) / 2`, in the order of the structure.
     pub fn symmetric_part(&self, values: &[f64], out: &mut [f64]) {
+        self.mirror(|here, there| out[here] = 0.5 * (values[here] + values[there]));
+    }
+
+    /// Calls `f` with the index of every value and that of the value across the diagonal.
+    #[inline]
+    fn mirror(&self, mut f: impl FnMut(usize, usize)) {
         for j in 0..self.nodes() {
             let stride = self.stride(j);
             for (bit, i) in bits(self.masks[j]).zip(self.neighbours(j)) {
                 let here = self.block(j, bit);
-                let there = self.block(i, 2 * SELF - bit);
-                let across = self.stride(i);
+                let (there, across) = (self.block(i, 2 * SELF - bit), self.stride(i));
                 for (a, b) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-                    let k = here + a + b * stride;
-                    out[k] = 0.5 * (values[k] + values[there + b + a * across]);
+                    f(here + a + b * stride, there + b + a * across);
                 }
             }
         }
@@ -439,6 +448,10 @@ mod tests {
         let wanted = (&dense + dense.transpose()) * 0.5;
         for (row, column, value) in sparse.triplet_iter().zip(&half).map(|((r, c, _), v)| (r, c, v)) {
             assert_eq!(*value, wanted[(row, column)]);
+        }
+        p.transposed(&values, &mut half);
+        for (row, column, value) in sparse.triplet_iter().zip(&half).map(|((r, c, _), v)| (r, c, v)) {
+            assert_eq!(*value, dense[(column, row)]);
         }
     }
 

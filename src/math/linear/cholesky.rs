@@ -23,10 +23,6 @@ use faer::{
 use super::memory;
 use crate::math::ordering;
 
-/// Neighbouring supernodes become one if they have at most so many columns together, of which at
-/// most this part is zeros. Wider than the default: 5 to 10 % faster from 1,800 to 32,000 cells.
-const RELAX: &[(usize, f64)] = &[(8, 1.0), (24, 0.8), (64, 0.2), (usize::MAX, 0.05)];
-
 /// What the values of the factor are.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
@@ -65,7 +61,7 @@ impl Cholesky {
         // the automatic choice takes the simplicial path up to some 2,000 cells, at three times the cost
         let parameters = CholeskySymbolicParams {
             supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
-            supernodal_params: SymbolicSupernodalParams { relax: Some(RELAX) },
+            supernodal_params: SymbolicSupernodalParams { relax: Some(super::RELAX) },
             ..Default::default()
         };
         let order = SymmetricOrdering::Custom(permutation);
