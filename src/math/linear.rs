@@ -38,8 +38,8 @@ const RELAX: &[(usize, f64)] = &[(8, 1.0), (24, 0.8), (64, 0.2), (usize::MAX, 0.
 /// How the unknowns of a symmetric matrix are ordered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Ordering {
-    /// Nested dissection: factors as fast as by minimum degree for 1,800 to 130,000 cells, in 10 to
-    /// 40 % less time for the symbolic part (`benches/README.md`).
+    /// Nested dissection: factor and solve took 0.81 to 1.04 times as long as by minimum degree for 1,800
+    /// to 130,000 cells, the symbolic part 0.64 to 0.89 times (`benches/README.md`).
     #[default]
     Auto,
     /// Approximate minimum degree.
@@ -52,7 +52,7 @@ pub enum Ordering {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Unsymmetric {
     /// LU. Where all nodes of a base slip, the symmetric part is not positive definite and GMRES is of
-    /// no use; with yielding cells it took from 0.6 to 1.5 times the time (`benches/README.md`).
+    /// no use; with yielding cells it took 0.9 to 1.8 times as long (`benches/README.md`).
     #[default]
     Auto,
     /// LU only.
