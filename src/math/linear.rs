@@ -5,6 +5,7 @@
 //! part as preconditioner, if that is asked for. Every solution is checked; what is off is refined once, and what stays off goes to the
 //! next method. All is done by one thread in a fixed order: equal systems give equal bits.
 
+mod choices;
 mod cholesky;
 mod condition;
 mod gmres;
@@ -16,6 +17,7 @@ mod vector;
 
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 
+pub use self::choices::{Method, Options, Ordering, Solution, Unsymmetric};
 use self::{
     cholesky::Cholesky,
     gmres::Gmres,
@@ -34,77 +36,6 @@ const REFINE: f64 = 1e-10;
 /// Neighbouring supernodes become one if they have at most so many columns together, of which at
 /// most this part is zeros. Wider than the default: 5 to 10 % faster from 1,800 to 32,000 cells.
 const RELAX: &[(usize, f64)] = &[(8, 1.0), (24, 0.8), (64, 0.2), (usize::MAX, 0.05)];
-
-/// How the unknowns of a symmetric matrix are ordered.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Ordering {
-    /// Nested dissection: factor and solve took 0.81 to 1.04 times as long as by minimum degree for 1,800
-    /// to 130,000 cells, the symbolic part 0.64 to 0.89 times (`benches/README.md`).
-    #[default]
-    Auto,
-    /// Approximate minimum degree.
-    Amd,
-    /// Nested dissection along grid lines.
-    NestedDissection,
-}
-
-/// How an unsymmetric system is solved.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Unsymmetric {
-    /// LU. Where all nodes of a base slip, the symmetric part is not positive definite and GMRES is of
-    /// no use; with yielding cells it took 0.9 to 1.8 times as long (`benches/README.md`).
-    #[default]
-    Auto,
-    /// LU only.
-    Lu,
-    /// GMRES, then LU.
-    Gmres,
-}
-
-/// Choices of a solver.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Options {
-    /// Order of elimination for symmetric factors.
-    pub ordering: Ordering,
-    /// Method for unsymmetric systems.
-    pub unsymmetric: Unsymmetric,
-    /// Largest |b - A x| / |b| (Euclidean) of a solution that is accepted.
-    pub max_residual: f64,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Options { ordering: Ordering::Auto, unsymmetric: Unsymmetric::Auto, max_residual: 1e-8 }
-    }
-}
-
-/// A way to solve a system.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
-    /// L L^T, for symmetric positive definite matrices.
-    Llt,
-    /// L B L^T, for symmetric indefinite ones.
-    Ldlt,
-    /// P A Q = L U.
-    Lu,
-    /// GMRES with the L L^T of (A + A^T) / 2 as preconditioner.
-    Gmres,
-}
-
-/// What is said of a solution.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Solution {
-    /// The method that gave it.
-    pub method: Method,
-    /// |b - A x| / |b| (Euclidean).
-    pub residual: f64,
-    /// Whether the (symmetric part of the) matrix is positive definite; `None` where it was not tried.
-    pub positive: Option<bool>,
-    /// Iterations of GMRES.
-    pub iterations: u32,
-    /// Whether a method failed before this one.
-    pub fallback: bool,
-}
 
 /// A system on its way through the methods.
 #[derive(Clone, Copy)]
@@ -260,42 +191,62 @@ impl Solver {
     /// Numeric factor for a method, and the symbolic one if there is none yet.
     fn factor(&mut self, method: Method, system: System<'_>, trial: &mut Trial, work: &mut Work) -> Option<()> {
         self.last = None;
+        let made = match method {
+            Method::Lu => self.factor_unsymmetric(system, work).map(|()| Method::Lu),
+            Method::Ldlt => self.factor_indefinite(system, work).map(|()| Method::Ldlt),
+            Method::Llt | Method::Gmres => {
+                let made = self.factor_positive(method, system, work);
+                trial.positive = Some(made.is_some());
+                made.map(|()| Method::Llt)
+            }
+        };
+        self.last = made;
+        made.map(|_| ())
+    }
+
+    fn factor_unsymmetric(&mut self, system: System<'_>, work: &mut Work) -> Option<()> {
         let System { pattern, values, .. } = system;
         let structure = self.structure.as_ref()?.1.as_ref();
-        if method == Method::Lu {
-            if !self.lu.is_prepared() {
-                self.lu.prepare(structure, &ordering::column_dissection(pattern))?;
-                work.symbolic_factorisations += 1;
-            }
-            work.factorisations += 1;
-            work.lu_factorisations += 1;
-            self.other.resize(values.len(), 0.0);
-            pattern.transposed(values, &mut self.other);
-            self.lu.factor(SparseColMatRef::new(structure, values), SparseColMatRef::new(structure, &self.other))?;
-            self.last = Some(Method::Lu);
-            return Some(());
-        }
-        if !self.cholesky.is_prepared() {
-            self.cholesky.prepare(structure, &order(self.options.ordering, pattern)?)?;
+        if !self.lu.is_prepared() {
+            self.lu.prepare(structure, &ordering::column_dissection(pattern))?;
             work.symbolic_factorisations += 1;
         }
         work.factorisations += 1;
-        if method == Method::Ldlt {
-            self.cholesky.factor_indefinite(SparseColMatRef::new(structure, values))?;
-            self.last = Some(Method::Ldlt);
+        work.lu_factorisations += 1;
+        self.other.resize(values.len(), 0.0);
+        pattern.transposed(values, &mut self.other);
+        self.lu.factor(SparseColMatRef::new(structure, values), SparseColMatRef::new(structure, &self.other))
+    }
+
+    fn factor_indefinite(&mut self, system: System<'_>, work: &mut Work) -> Option<()> {
+        self.prepare_symmetric(system.pattern, work)?;
+        let structure = self.structure.as_ref()?.1.as_ref();
+        work.factorisations += 1;
+        self.cholesky.factor_indefinite(SparseColMatRef::new(structure, system.values))
+    }
+
+    /// L L^T of the matrix, or for GMRES of its symmetric part.
+    fn factor_positive(&mut self, method: Method, system: System<'_>, work: &mut Work) -> Option<()> {
+        self.prepare_symmetric(system.pattern, work)?;
+        let structure = self.structure.as_ref()?.1.as_ref();
+        let mut values = system.values;
+        if method == Method::Gmres {
+            self.other.resize(values.len(), 0.0);
+            system.pattern.symmetric_part(values, &mut self.other);
+            values = &self.other;
+        }
+        work.factorisations += 1;
+        self.cholesky.factor_positive(SparseColMatRef::new(structure, values))
+    }
+
+    fn prepare_symmetric(&mut self, pattern: &Pattern, work: &mut Work) -> Option<()> {
+        if self.cholesky.is_prepared() {
             return Some(());
         }
-        let values = if method == Method::Gmres {
-            self.other.resize(values.len(), 0.0);
-            pattern.symmetric_part(values, &mut self.other);
-            &self.other
-        } else {
-            values
-        };
-        let done = self.cholesky.factor_positive(SparseColMatRef::new(structure, values));
-        trial.positive = Some(done.is_some());
-        self.last = done.map(|()| Method::Llt);
-        done
+        let structure = self.structure.as_ref()?.1.as_ref();
+        self.cholesky.prepare(structure, &order(self.options.ordering, pattern)?)?;
+        work.symbolic_factorisations += 1;
+        Some(())
     }
 
     /// GMRES with the factor of the symmetric part.

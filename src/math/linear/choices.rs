@@ -1,0 +1,72 @@
+//! What can be chosen of a solver, and what it says of a solution.
+
+/// How the unknowns of a symmetric matrix are ordered.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Ordering {
+    /// Nested dissection: factor and solve took 0.81 to 1.04 times as long as by minimum degree for 1,800
+    /// to 130,000 cells, the symbolic part 0.64 to 0.89 times (`benches/README.md`).
+    #[default]
+    Auto,
+    /// Approximate minimum degree.
+    Amd,
+    /// Nested dissection along grid lines.
+    NestedDissection,
+}
+
+/// How an unsymmetric system is solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Unsymmetric {
+    /// LU. Where all nodes of a base slip, the symmetric part is not positive definite and GMRES is of
+    /// no use; with yielding cells it took 0.9 to 1.8 times as long (`benches/README.md`).
+    #[default]
+    Auto,
+    /// LU only.
+    Lu,
+    /// GMRES, then LU.
+    Gmres,
+}
+
+/// Choices of a solver.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Order of elimination for symmetric factors.
+    pub ordering: Ordering,
+    /// Method for unsymmetric systems.
+    pub unsymmetric: Unsymmetric,
+    /// Largest |b - A x| / |b| (Euclidean) of a solution that is accepted.
+    pub max_residual: f64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options { ordering: Ordering::Auto, unsymmetric: Unsymmetric::Auto, max_residual: 1e-8 }
+    }
+}
+
+/// A way to solve a system.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// L L^T, for symmetric positive definite matrices.
+    Llt,
+    /// L B L^T, for symmetric indefinite ones.
+    Ldlt,
+    /// P A Q = L U.
+    Lu,
+    /// GMRES with the L L^T of (A + A^T) / 2 as preconditioner.
+    Gmres,
+}
+
+/// What is said of a solution.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Solution {
+    /// The method that gave it.
+    pub method: Method,
+    /// |b - A x| / |b| (Euclidean).
+    pub residual: f64,
+    /// Whether the (symmetric part of the) matrix is positive definite; `None` where it was not tried.
+    pub positive: Option<bool>,
+    /// Iterations of GMRES.
+    pub iterations: u32,
+    /// Whether a method failed before this one.
+    pub fallback: bool,
+}
