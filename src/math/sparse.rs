@@ -34,7 +34,7 @@ pub enum Change {
 
 /// Structure of a square, structurally symmetric matrix in compressed columns, both triangles stored.
 ///
-/// The arrays keep their capacity, so steps that do not grow do not allocate. Up to 2^32 values.
+/// The arrays keep their capacity, so steps that do not grow do not allocate. Fewer than 2^31 values.
 #[derive(Clone, Debug, Default)]
 pub struct Pattern {
     row: u32,
