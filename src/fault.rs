@@ -22,6 +22,8 @@ pub enum FaultKind {
     NewtonDiverged,
     /// Equilibrium without inertia is not stable.
     Unstable,
+    /// The local error of a step is far above what is allowed.
+    Inaccurate,
 }
 
 /// A fault in one step. The body is as it was before the step.
@@ -78,6 +80,9 @@ impl Fault {
             FaultKind::NewtonDiverged => {
                 "bring the load on in shorter steps (`implicit.time_step`, `implicit.min_time_step`); without inertia a body that fails has no equilibrium: `implicit.regime = \"auto\"` lets it move"
             }
+            FaultKind::Inaccurate => {
+                "allow a larger error (`implicit.tolerance`) or shorter steps (`implicit.min_time_step`)"
+            }
             FaultKind::Unstable => "let the body move: `implicit.regime = \"auto\"`",
             FaultKind::LeftGrid => {
                 "enlarge `grid.size`, or put a support on that side (`boundary`); where a support stands already, the step is too long: lower `explicit.courant` or `explicit.time_step`"
@@ -95,6 +100,7 @@ impl fmt::Display for Fault {
             FaultKind::StepTooLong => "a material point would move by more than half a cell in one step",
             FaultKind::Singular => "a system of equations has no solution that can be trusted (singular matrix)",
             FaultKind::NewtonDiverged => "Newton's iteration did not converge",
+            FaultKind::Inaccurate => "the error of a step is larger than allowed",
             FaultKind::Unstable => "the body is in no stable equilibrium without inertia",
         };
         write!(f, "{what}, in step {} at t = {:.4} s", self.step, self.time_s)?;

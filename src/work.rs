@@ -21,6 +21,8 @@ pub struct Work {
     pub line_searches: u64,
     /// Times the structure of the equations was made anew.
     pub patterns: u64,
+    /// Times a structure was kept that holds more than the step needs.
+    pub patterns_reused: u64,
     /// Numeric factorisations of a sparse matrix.
     pub factorisations: u64,
     /// Of these, unsymmetric ones (LU).

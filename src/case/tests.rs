@@ -44,7 +44,12 @@ fn keys_left_out_have_the_documented_defaults() {
     let explicit =
         Explicit { stress_update: StressUpdate::Musl, pic_rate: 0.5, courant: 0.25, time_step: None, mass_floor: 0.0 };
     assert_eq!(case.explicit, explicit);
-    let solver = Solver { scheme: Scheme::Explicit, kinematics: Kinematics::Hencky, locking: Locking::None, shape: ShapeFunctions::Linear };
+    let solver = Solver {
+        scheme: Scheme::Explicit,
+        kinematics: Kinematics::Hencky,
+        locking: Locking::None,
+        shape: ShapeFunctions::Linear,
+    };
     assert_eq!((case.solver, case.load, case.drive), (solver, vec![], vec![]));
     assert_eq!(case.gravity.schedule, GravitySchedule::Ramp { ramp_time: 5.0 });
     assert_eq!(case.output, Output { history: 0.05, frames: 0.25, pictures: vec![] });

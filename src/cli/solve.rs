@@ -78,6 +78,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let (before, cpu_before) = (Instant::now(), cpu_seconds());
     let outcome = run::run(&case, &mut scene, limits, &mut watch).map_err(write)?;
     phases.insert("solve".to_owned(), before.elapsed().as_secs_f64());
+    phases.extend(scene.simulation.phases().into_iter().map(|(name, s)| (format!("solve.{name}"), s)));
     let solve_cpu = cpu_seconds().zip(cpu_before).map(|(b, a)| b - a);
     watch.progress.done();
     let record = record(&case, &source, &scene, &outcome);

@@ -120,6 +120,11 @@ impl Simulation {
         self.integrator.books()
     }
 
+    /// Wall time of the parts of the integrator's steps (s).
+    pub fn phases(&self) -> Vec<(&'static str, f64)> {
+        self.integrator.phases()
+    }
+
     /// Nodal kinetic energy after the last step (kJ/m).
     pub fn nodal_kinetic_energy(&self) -> f64 {
         self.integrator.nodal_kinetic_energy()

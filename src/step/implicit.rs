@@ -1,5 +1,7 @@
 //! The implicit integrator: increments of the nodes by Newton's method, with or without inertia.
 
+use std::time::Instant;
+
 use crate::{
     assembly::{
         Scatter, Scratch,
@@ -63,6 +65,10 @@ pub struct Implicit<S, const N: usize> {
     effects: Vec<Box<dyn Effect>>,
     /// Internal force at the start of the step (kN/m), where the scheme needs it.
     start_force: [Vec<f64>; 2],
+    /// Increment after the first correction (m), for the local error without inertia.
+    first: [Vec<f64>; 2],
+    /// Local error of the last step over what is allowed.
+    error_ratio: Option<f64>,
     /// Effects that load points, and the forces on these.
     loads: Vec<usize>,
     point_forces: load::PointForces,
@@ -75,11 +81,23 @@ pub struct Implicit<S, const N: usize> {
     failures: u32,
     events: Vec<Event>,
     report: Report,
+    phases: [f64; PHASES.len()],
 }
+
+/// Parts of a step whose time is told.
+const PHASES: [&str; 5] = ["stencils", "assembly", "effects", "equations", "points"];
+const STENCILS: usize = 0;
+const ASSEMBLY: usize = 1;
+const EFFECTS: usize = 2;
+const EQUATIONS: usize = 3;
+const POINTS: usize = 4;
 
 /// Failed steps in a row, each half as long as the one before, after which a quasi-static body is
 /// taken to have lost its stability.
 const STUBBORN: u32 = 3;
+
+/// Multiple of the tolerance above which a step is refused.
+const TOO_MUCH: f64 = 4.0;
 
 /// Shares of a correction that the line search tries.
 const SHARES: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
@@ -108,6 +126,8 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
             loads: (0..effects.len()).filter(|&e| effects[e].stages().load).collect(),
             effects,
             start_force: Default::default(),
+            first: Default::default(),
+            error_ratio: None,
             point_forces: Default::default(),
             plastic: 0.0,
             path: FpPath::best(),
@@ -117,18 +137,28 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
             failures: 0,
             events: Vec::new(),
             report: Report::default(),
+            phases: Default::default(),
         }
     }
 
     fn try_step(&mut self, body: &mut Body, clock: Clock, work: &mut Work) -> Result<(), Fault> {
         let weights = self.inertia.as_ref().map(|i| i.scheme.weights(clock.dt));
-        self.place(body, work);
+        self.timed(STENCILS, |i| i.place(body, work));
         self.start(body, clock, weights)?;
         let plastic = self.iterate(body, clock, weights, work)?;
-        self.carry(body, clock, weights)?;
+        self.timed(POINTS, |i| i.carry(body, clock, weights))?;
+        self.judge(weights)?;
         self.settle(body, clock, weights);
         self.commit(body, plastic, work);
         Ok(())
+    }
+
+    /// Adds the time of `part` to a phase.
+    fn timed<T>(&mut self, phase: usize, part: impl FnOnce(&mut Self) -> T) -> T {
+        let started = Instant::now();
+        let result = part(self);
+        self.phases[phase] += started.elapsed().as_secs_f64();
+        result
     }
 
     /// Stencils, masses and structure of the step. In small strain they stay as they were.
@@ -143,6 +173,7 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
             path.run(Keep { scratch: scratch.as_mut(), body, nodes, kept, system, shape });
             let change = system.adopt(nodes.grid.row(), &nodes.id[..nodes.count], true);
             work.patterns += u64::from(change == Change::Rebuilt);
+            work.patterns_reused += u64::from(change == Change::Subset);
             self.filled = true;
         } else {
             self.system.begin(self.nodes.count);
@@ -241,10 +272,13 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
                 Verdict::GiveUp => return Err(self.diverged(&residual)),
                 Verdict::Converged | Verdict::Continue => {}
             }
-            let solution = self.system.solve(&mut self.solver, work)?;
+            let solution = self.timed(EQUATIONS, |i| i.system.solve(&mut i.solver, work))?;
             positive = solution.positive.unwrap_or(true);
             work.newton_iterations += 1;
             (plastic, residual) = self.advance(body, clock, weights, &residual, work)?;
+            if self.settings.tolerance.is_some() && self.convergence.iterations() == 0 {
+                self.first.clone_from(&self.system.du);
+            }
         }
         self.note_stability(positive)?;
         Ok(plastic)
@@ -310,7 +344,13 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
         weights: Option<Weights>,
         iteration: u32,
     ) -> Result<(f64, Residual), Fault> {
-        let plastic = self.respond(body, true)?;
+        let plastic = self.timed(ASSEMBLY, |i| i.respond(body, true))?;
+        let residual = self.timed(EFFECTS, |i| i.balance(clock, weights, iteration));
+        Ok((plastic, residual))
+    }
+
+    /// What is out of balance, with inertia, loads, effects, supports and contacts.
+    fn balance(&mut self, clock: Clock, weights: Option<Weights>, iteration: u32) -> Residual {
         let mut scale = norm(&self.system.residual);
         if let Some((w, inertia)) = weights.zip(self.inertia.as_mut()) {
             weigh(&mut self.system, &self.start_force, w.w1);
@@ -331,7 +371,7 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
         let norms = system.norms();
         let loads = self.nodes.force.iter().flat_map(|f| &f[..self.nodes.count]).map(|f| f * f).sum::<f64>();
         let scale = scale.max(norms.reaction).max(loads.sqrt());
-        Ok((plastic, Residual { norm: norms.residual, scale, changes }))
+        Residual { norm: norms.residual, scale, changes }
     }
 
     fn diverged(&self, residual: &Residual) -> Fault {
@@ -362,6 +402,42 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
         let none = Default::default();
         let acceleration = inertia.as_ref().map_or(&none, |i| &i.start);
         path.run(Carry { scratch: scratch.as_mut(), body, nodes, kept, system, moving, acceleration, pic, shape })
+    }
+
+    /// Compares the local error of the step with the tolerance.
+    fn judge(&mut self, weights: Option<Weights>) -> Result<(), Fault> {
+        let Some(tolerance) = self.settings.tolerance else { return Ok(()) };
+        let error = self.local_error(weights) / self.nodes.grid.h;
+        self.error_ratio = Some(error / tolerance);
+        if error > TOO_MUCH * tolerance {
+            return Err(Fault::new(FaultKind::Inaccurate).with("error_cells", error).with("tolerance", tolerance));
+        }
+        Ok(())
+    }
+
+    /// Root of the mass-weighted mean square over the nodes of the local error (m). Without inertia
+    /// it is half the difference between the way along the first tangent and the way to balance:
+    /// what a step makes of the bend of the load path.
+    fn local_error(&self, weights: Option<Weights>) -> f64 {
+        let Implicit { nodes, system, start_force, first, .. } = self;
+        let (mut sum, mut mass) = (0.0, 0.0);
+        for axis in 0..2 {
+            for slot in (0..nodes.count).filter(|&s| nodes.mass[s] > 0.0) {
+                let m = nodes.mass[slot];
+                let error = match weights {
+                    None => 0.5 * (system.du[axis][slot] - first[axis].get(slot).copied().unwrap_or(0.0)),
+                    Some(_) if system.is_inelastic(slot, axis) => 0.0,
+                    Some(w) => {
+                        let at_start = start_force[axis].get(slot).map_or(0.0, |f| (nodes.force[axis][slot] - f) / m);
+                        let mean = (nodes.velocity[axis][slot] - nodes.old_velocity[axis][slot]) / w.dt;
+                        w.local_error(at_start, mean)
+                    }
+                };
+                sum += m * error * error;
+                mass += m;
+            }
+        }
+        (sum / mass).sqrt()
     }
 
     /// The books of the effects.
@@ -428,6 +504,15 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
             body.sort(&S::order(&self.nodes.grid));
             self.runs_when_sorted = 0;
             work.sorts += 1;
+        }
+    }
+
+    fn growth_by_iterations(&self) -> f64 {
+        match self.report.iterations {
+            0..=4 => 1.5,
+            5..=6 => 1.2,
+            7..=8 => 1.0,
+            _ => 0.7,
         }
     }
 
@@ -532,14 +617,18 @@ impl<S: Shape<N>, const N: usize> Integrator for Implicit<S, N> {
         nodes + self.kept.bytes() + self.system.bytes() + self.solver.bytes()
     }
 
-    /// Few iterations: longer steps; many: shorter ones.
+    fn phases(&self) -> Vec<(&'static str, f64)> {
+        PHASES.into_iter().zip(self.phases).collect()
+    }
+
+    /// Few iterations: longer steps; many: shorter ones. With a tolerance the local error decides,
+    /// as long as the iterations are few.
     fn growth(&self) -> f64 {
-        match self.report.iterations {
-            0..=4 => 1.5,
-            5..=6 => 1.2,
-            7..=8 => 1.0,
-            _ => 0.7,
-        }
+        let by_error = self.error_ratio.map(|ratio| {
+            let order = self.inertia.as_ref().map_or(1, |i| i.scheme.order());
+            (0.9 * ratio.powf(-1.0 / f64::from(order + 1))).clamp(0.3, 2.0)
+        });
+        self.growth_by_iterations().min(by_error.unwrap_or(f64::INFINITY))
     }
 
     fn report(&self) -> Report {

@@ -72,6 +72,11 @@ pub trait Integrator: Send {
         &[]
     }
 
+    /// Wall time spent in the parts of a step (s), by name; empty where it is not measured.
+    fn phases(&self) -> Vec<(&'static str, f64)> {
+        Vec::new()
+    }
+
     /// By what factor the next step may be longer or should be shorter than the last.
     fn growth(&self) -> f64 {
         1.0
