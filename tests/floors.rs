@@ -8,7 +8,7 @@ use std::{
 };
 
 /// Top modules, lowest first. `measure` stands above `case` and reads its `Slide` keys.
-const ORDER: [&str; 25] = [
+const ORDER: [&str; 26] = [
     "fault",
     "work",
     "math",
