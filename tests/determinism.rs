@@ -30,6 +30,22 @@ fn another_realisation_gives_other_bits() {
     assert!(bits(&through_failure(&keys[..1])) != bits(&through_failure(&keys)));
 }
 
+/// The implicit scheme, from quasi-static through the loss of stability.
+fn implicitly() -> rmpm::sim::Simulation {
+    let keys = ["solver.scheme=implicit", "grid.cell=0.5", "implicit.time_step=0.05", "gravity.ramp_time=4"];
+    let mut sim = simulation(SLOPE, &keys);
+    advance(&mut sim, 150);
+    assert!(!sim.events().is_empty(), "inertia was never brought in");
+    sim
+}
+
+#[test]
+fn the_implicit_scheme_gives_the_same_bits() {
+    let (a, b) = (implicitly(), implicitly());
+    assert!(bits(&a) == bits(&b));
+    assert_eq!(a.work, b.work);
+}
+
 /// The processes of the paths print a digest each: of both laws, softening on both, and
 /// of the shape functions with domains.
 #[test]

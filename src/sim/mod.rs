@@ -5,7 +5,7 @@ use crate::{
     block::Law,
     body::Body,
     fault::Fault,
-    step::{Books, Integrator, control::Control},
+    step::{Books, Event, Integrator, control::Control},
     work::Work,
 };
 
@@ -118,6 +118,11 @@ impl Simulation {
     /// The integrator's books.
     pub fn books(&self) -> Books {
         self.integrator.books()
+    }
+
+    /// What happened once, such as the loss of stability.
+    pub fn events(&self) -> &[Event] {
+        self.integrator.events()
     }
 
     /// Wall time of the parts of the integrator's steps (s).
