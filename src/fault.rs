@@ -68,11 +68,17 @@ impl Fault {
         !matches!(self.kind, FaultKind::LeftGrid)
     }
 
-    /// What the user can do, naming the key of the case file.
-    pub fn advice(&self) -> &'static str {
-        match self.kind {
+    /// What the user can do, naming the key of the case file; `step_keys` are those that set the
+    /// length of a step in the scheme that ran.
+    pub fn advice(&self, step_keys: &str) -> String {
+        let text = match self.kind {
             FaultKind::Inverted | FaultKind::NonFinite | FaultKind::StepTooLong => {
-                "lower `explicit.courant` (or `explicit.time_step`), or bring the load on more slowly (`gravity.ramp_time`)"
+                return format!("lower {step_keys}, or bring the load on more slowly (`gravity.ramp_time`)");
+            }
+            FaultKind::LeftGrid => {
+                return format!(
+                    "enlarge `grid.size`, or put a support on that side (`boundary`); where a support stands already, the step is too long: lower {step_keys}"
+                );
             }
             FaultKind::Singular => {
                 "hold the body against every motion without strain (`boundary`), or bring the load on more slowly (`gravity.ramp_time`)"
@@ -84,10 +90,8 @@ impl Fault {
                 "allow a larger error (`implicit.tolerance`) or shorter steps (`implicit.min_time_step`)"
             }
             FaultKind::Unstable => "let the body move: `implicit.regime = \"auto\"`",
-            FaultKind::LeftGrid => {
-                "enlarge `grid.size`, or put a support on that side (`boundary`); where a support stands already, the step is too long: lower `explicit.courant` or `explicit.time_step`"
-            }
-        }
+        };
+        text.to_owned()
     }
 }
 

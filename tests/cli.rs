@@ -149,6 +149,7 @@ fn record_has_every_key(record: &Value) {
     has(record, &[("/effects/0/name", 's'), ("/effects/0/on", 'b'), ("/effects/0/why", 's')]);
     has(record, &[("/dt_s/min", 'n'), ("/dt_s/mean", 'n'), ("/dt_s/max", 'n')]);
     has(record, &[("/outcome/status", 's'), ("/outcome/time_s", 'n'), ("/outcome/message", 's'), ("/fault", '0')]);
+    has(record, &[("/regime", '0'), ("/events", 'a')]);
     has(record, &[("/warnings/0/code", 's'), ("/warnings/0/text", 's'), ("/warnings/0/key", 's')]);
     for key in ["sliding_distance_m", "blocks", "slide_volume_m3_per_m", "runout_m"] {
         has(record, &[(&format!("/measures/{key}"), 'n')]);
@@ -278,12 +279,22 @@ fn an_unknown_key_ends_with_2_and_a_caret() {
 }
 
 #[test]
-fn what_is_not_there_yet_ends_with_2() {
+fn the_implicit_scheme_tells_what_it_took_and_when_the_slope_lost_its_stability() {
     let (_root, out) = folder();
     let mut command = solve(&out);
-    command.args(["--scheme", "implicit"]);
-    let (_, stderr) = ends(command, 2);
-    assert!(stderr.contains("implicit"), "{stderr}");
+    command.args(["--scheme", "implicit", "--set", "grid.cell=1", "--set", "implicit.time_step=0.04"]);
+    let (stdout, _) = ends(command, 0);
+    for words in ["iterations a step", "stability lost", "inertia on"] {
+        assert!(stdout.contains(words), "{words}: {stdout}");
+    }
+    let record = json(&out.join("record.json"));
+    has(&record, &[("/events/0/time_s", 'n'), ("/events/0/kind", 's'), ("/events/0/why", 's')]);
+    assert_eq!((record["scheme"].as_str(), record["regime"].as_str()), (Some("implicit"), Some("auto")));
+    let text = fs::read_to_string(out.join("history.csv")).expect("history.csv");
+    let last: Vec<&str> = text.lines().last().expect("a row").split(',').collect();
+    let [iterations, residual] = last[last.len() - 2..] else { panic!("two columns") };
+    assert!(iterations.parse::<u32>().is_ok_and(|n| n > 0), "{iterations}");
+    assert!(residual.parse::<f64>().is_ok_and(|r| r > 0.0 && r < 1e-3), "{residual}");
 }
 
 #[test]

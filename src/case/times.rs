@@ -1,6 +1,6 @@
-//! Times at which what acts on the soil has its final value.
+//! Times at which what acts on the soil has its final value, and the keys of the time step.
 
-use super::types::{Case, Drive, GravitySchedule};
+use super::types::{Case, Drive, GravitySchedule, Scheme};
 
 impl Case {
     /// Time from which gravity has its final value (s).
@@ -21,6 +21,14 @@ impl Case {
         let loads = self.load.iter().map(|load| load.ramp_time);
         let drives = self.drive.iter().map(drive_end);
         loads.chain(drives).fold(self.gravity_end(), f64::max)
+    }
+
+    /// The keys that set the length of a step, for messages.
+    pub fn step_keys(&self) -> &'static str {
+        match self.solver.scheme {
+            Scheme::Explicit => "`explicit.courant` (or `explicit.time_step`)",
+            Scheme::Implicit => "`implicit.time_step` and `implicit.min_time_step`",
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use crate::case::Scheme;
 use crate::output::record::{Record, Timing};
 
 /// A few lines: what happened, the measures, the balances, the cost, the warnings.
@@ -12,6 +13,7 @@ pub fn text(record: &Record, timing: &Timing, out: &str) -> String {
     let _ = slide(&mut s, record);
     let _ = balances(&mut s, record);
     let _ = cost(&mut s, record, timing);
+    let _ = solution(&mut s, record);
     for w in &record.warnings {
         let _ = writeln!(s, "  note        {} (key `{}`)", w.text, w.key);
     }
@@ -74,4 +76,20 @@ fn cost(s: &mut String, r: &Record, t: &Timing) -> std::fmt::Result {
         t.wall_s,
         t.bytes_per_point
     )
+}
+
+/// What the iterations took, and what happened once.
+fn solution(s: &mut String, r: &Record) -> std::fmt::Result {
+    if r.scheme == Scheme::Implicit {
+        let (w, steps) = (&r.work, r.work.steps.max(1) as f64);
+        writeln!(
+            s,
+            "  solution    {:.1} iterations a step, {} factorisations ({} unsymmetric), {} shortened iterations",
+            w.newton_iterations as f64 / steps,
+            w.factorisations,
+            w.lu_factorisations,
+            w.line_searches
+        )?;
+    }
+    r.events.iter().try_for_each(|e| writeln!(s, "  event       {:.2} s: {} ({})", e.time_s, e.words(), e.why))
 }

@@ -57,7 +57,8 @@ impl History {
         ];
         let mut row: Vec<String> = numbers.iter().map(|v| format!("{v}")).collect();
         row.push(s.sliding_distance.map(|r| format!("{r}")).unwrap_or_default());
-        row.extend([String::from("0"), String::new()]);
+        row.push(s.newton_iterations.to_string());
+        row.push(s.residual.map(|r| format!("{r}")).unwrap_or_default());
         self.writer.write_record(&row)?;
         self.rows.push(*s);
         Ok(())
@@ -104,6 +105,8 @@ pub fn read(path: &Path) -> io::Result<Vec<Sample>> {
             },
             sliding_distance: number(11),
             particle_steps: 0,
+            newton_iterations: number(12).unwrap_or(0.0) as u32,
+            residual: number(13),
         });
     }
     Ok(rows)

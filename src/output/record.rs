@@ -10,6 +10,7 @@ use crate::{
     measure::summary::Measures,
     run::{Outcome, Status},
     scene::{EffectNote, Scene, Warning},
+    step::Event,
     work::Work,
 };
 
@@ -29,6 +30,8 @@ pub struct Record {
     pub overrides: Vec<String>,
     pub title: String,
     pub scheme: case::Scheme,
+    /// With or without inertia, in the implicit scheme.
+    pub regime: Option<&'static str>,
     pub kinematics: case::Kinematics,
     pub shape: case::ShapeFunctions,
     pub seed: u64,
@@ -36,6 +39,8 @@ pub struct Record {
     pub dt_s: Value,
     pub outcome: Ending,
     pub fault: Option<Value>,
+    /// What happened once, such as the loss of stability.
+    pub events: Vec<Event>,
     pub warnings: Vec<Warning>,
     pub measures: Measures,
     pub work: Work,
@@ -103,6 +108,7 @@ pub fn record(case: &Case, source: &Source, scene: &Scene, outcome: &Outcome) ->
         overrides: source.overrides.clone(),
         title: case.title.clone(),
         scheme: case.solver.scheme,
+        regime: (case.solver.scheme == case::Scheme::Implicit).then(|| case.implicit.regime.word()),
         kinematics: case.solver.kinematics,
         shape: case.solver.shape,
         seed: case.seed,
@@ -110,6 +116,7 @@ pub fn record(case: &Case, source: &Source, scene: &Scene, outcome: &Outcome) ->
         dt_s: json!({ "min": outcome.dt.min, "mean": outcome.dt.mean, "max": outcome.dt.max }),
         outcome: Ending { status: outcome.status, time_s: outcome.time, message: outcome.message.clone() },
         fault: outcome.fault.as_ref().map(fault_value),
+        events: scene.simulation.events().to_vec(),
         warnings,
         measures: outcome.measures.clone(),
         work: scene.simulation.work.clone(),
@@ -159,18 +166,31 @@ fn about(case: &Case, outcome: &Outcome) -> Vec<Warning> {
             "the slide has reached the wall: r is a lower bound".into(),
         ));
     }
-    let e = &m.energy_kj_per_m;
-    if e.numerical.abs() > 0.05 * e.external.abs().max(1e-9) {
-        w.push(Warning::new(
-            "numerical_energy",
-            "explicit.courant",
-            format!("{:.1} % of the energy supplied is unaccounted for (numerical)", 100.0 * e.numerical / e.external),
-        ));
-    }
+    w.extend(numerical_energy(case, outcome));
     if outcome.status == Status::EndTime && case.end.at_rest && m.energy_kj_per_m.nodal_kinetic > 0.0 {
         w.push(Warning::new("not_at_rest", "end.time", "the run ended before the body came to rest".into()));
     }
     w
+}
+
+/// Energy that the scheme itself has taken or made, and what to change.
+fn numerical_energy(case: &Case, outcome: &Outcome) -> Option<Warning> {
+    let e = &outcome.measures.energy_kj_per_m;
+    let (key, sources) = match case.solver.scheme {
+        case::Scheme::Explicit => ("explicit.courant", ""),
+        case::Scheme::Implicit => (
+            "implicit.time_step",
+            ": in the implicit scheme points that cross cell faces (bilinear shapes), the share of PIC, stops at contacts, and the damping of backward_euler and hht",
+        ),
+    };
+    (e.numerical.abs() > 0.05 * e.external.abs().max(1e-9)).then(|| {
+        let share = 100.0 * e.numerical / e.external;
+        Warning::new(
+            "numerical_energy",
+            key,
+            format!("{share:.1} % of the energy supplied is unaccounted for (numerical){sources}"),
+        )
+    })
 }
 
 /// Domains that have outgrown what the shape functions take.

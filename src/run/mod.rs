@@ -64,6 +64,10 @@ pub struct Sample {
     pub sliding_distance: Option<f64>,
     /// Material points moved so far.
     pub particle_steps: u64,
+    /// Newton iterations of the last step (0 in the explicit scheme).
+    pub newton_iterations: u32,
+    /// Out-of-balance force at the end of the last step (kN/m), where the scheme seeks balance.
+    pub residual: Option<f64>,
 }
 
 /// Watches a run. Every method has an empty default.
@@ -192,7 +196,17 @@ impl<'a> Loop<'a> {
         let sliding_distance = self.sliding_distance(sim);
         self.history.time.push(sim.time);
         self.history.distance.push(sliding_distance.unwrap_or(0.0));
-        Sample { time: sim.time, dt: sim.dt, energies, sliding_distance, particle_steps: sim.work.particle_steps }
+        let report = sim.report();
+        let implicit = self.case.solver.scheme == case::Scheme::Implicit;
+        Sample {
+            time: sim.time,
+            dt: sim.dt,
+            energies,
+            sliding_distance,
+            particle_steps: sim.work.particle_steps,
+            newton_iterations: report.iterations,
+            residual: (implicit && sim.work.steps > 0).then_some(report.residual),
+        }
     }
 
     fn sliding_distance(&mut self, sim: &Simulation) -> Option<f64> {
@@ -226,7 +240,8 @@ impl<'a> Loop<'a> {
         let steps = sim.work.steps;
         let dt = StepRange { mean: if steps > 0 { sim.time / steps as f64 } else { 0.0 }, ..self.dt };
         let dt = if steps > 0 { dt } else { StepRange { min: 0.0, mean: 0.0, max: 0.0 } };
-        Outcome { status, time: sim.time, message: message(status, fault.as_ref(), sim.time), fault, dt, measures: m }
+        let message = message(self.case, status, fault.as_ref(), sim.time);
+        Outcome { status, time: sim.time, message, fault, dt, measures: m }
     }
 }
 
@@ -245,11 +260,11 @@ pub fn residual_strain(case: &Case) -> Option<f64> {
     strains.reduce(f64::max)
 }
 
-fn message(status: Status, fault: Option<&Fault>, time: f64) -> String {
+fn message(case: &Case, status: Status, fault: Option<&Fault>, time: f64) -> String {
     match (status, fault) {
         (Status::AtRest, _) => format!("at rest after {time:.2} s"),
         (Status::EndTime, _) => format!("reached the end time {time:.2} s"),
-        (Status::Failed, Some(fault)) => format!("{fault}; try: {}", fault.advice()),
+        (Status::Failed, Some(fault)) => format!("{fault}; try: {}", fault.advice(case.step_keys())),
         (Status::Failed, None) => "the solver gave up".to_owned(),
         (Status::Interrupted, _) => format!("interrupted at {time:.2} s; what was done is kept"),
         (Status::ResourceCap, _) => format!("the time limit was reached at {time:.2} s; what was done is kept"),

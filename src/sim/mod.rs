@@ -5,7 +5,7 @@ use crate::{
     block::Law,
     body::Body,
     fault::Fault,
-    step::{Books, Event, Integrator, control::Control},
+    step::{Books, Event, Integrator, Report, control::Control},
     work::Work,
 };
 
@@ -120,7 +120,12 @@ impl Simulation {
         self.integrator.books()
     }
 
-    /// What happened once, such as the loss of stability.
+    /// What the last step took, if the integrator iterates.
+    pub fn report(&self) -> Report {
+        self.integrator.report()
+    }
+
+    /// What happened once, so far.
     pub fn events(&self) -> &[Event] {
         self.integrator.events()
     }

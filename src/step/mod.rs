@@ -45,6 +45,13 @@ pub struct Event {
     pub why: String,
 }
 
+impl Event {
+    /// The kind in words.
+    pub fn words(&self) -> String {
+        self.kind.replace('_', " ")
+    }
+}
+
 /// Advances a body in time.
 pub trait Integrator: Send {
     /// Largest stable time step (s) with its safety factor; `None` where there is no limit.
