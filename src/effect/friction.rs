@@ -173,8 +173,9 @@ impl Friction {
     }
 
     /// What a node should do, given the increment and the forces as they stand. An open node
-    /// closes when it moves into the side; a closed one opens when it is pulled, slides when it is
-    /// rubbed more than mu allows, and sticks when it would slide the way that friction pushes it.
+    /// closes when it moves into the side, and goes on along it; a closed one opens when it is pulled,
+    /// slides when it is rubbed more than mu allows, and sticks when it would slide the way that
+    /// friction pushes it.
     fn revise(&self, grip: Grip, slot: usize, system: &System) -> Grip {
         let (n, t, inward) = (self.side.axis(), 1 - self.side.axis(), self.side.inward());
         let push = inward * system.reaction(slot, n);
@@ -182,7 +183,9 @@ impl Friction {
         let limit = self.coefficient * push.max(0.0);
         let next = match grip.contact {
             Contact::Away => grip,
-            Contact::Open if inward * system.du[n][slot] < 0.0 => Grip { contact: Contact::Stick, ..grip },
+            Contact::Open if inward * system.du[n][slot] < 0.0 => {
+                Grip { contact: Contact::Slip, sign: -system.du[t][slot].signum(), ..grip }
+            }
             Contact::Open => grip,
             _ if self.separation && push < 0.0 => Grip { contact: Contact::Open, ..grip },
             // another support holds it along the side

@@ -62,6 +62,11 @@ impl Convergence {
         if hopeless || spent { Verdict::GiveUp } else { Verdict::Continue }
     }
 
+    /// The equations have changed, as a contact has: residuals before and after do not compare.
+    pub fn change_equations(&mut self) {
+        self.best = (self.history.len(), f64::INFINITY);
+    }
+
     /// Iterations done: residuals noted after the first.
     pub fn iterations(&self) -> u32 {
         self.history.len().saturating_sub(1) as u32
