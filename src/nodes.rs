@@ -134,6 +134,12 @@ impl Nodes {
         self.growths += 1;
     }
 
+    /// Active number of the grid node at a place inside the grid; `None` where it is not active.
+    pub fn slot_at(&self, place: [u32; 2]) -> Option<u32> {
+        let node = place[1] as usize * self.grid.row() as usize + place[0] as usize;
+        self.slot.get(node).copied().filter(|s| *s != NONE)
+    }
+
     /// Active nodes on a side.
     pub fn side(&self, side: Side) -> &[u32] {
         &self.sides[side as usize]

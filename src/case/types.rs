@@ -206,10 +206,11 @@ pub struct Implicit {
     pub ordering: Ordering,
     /// Solver of unsymmetric systems (friction). Default `auto`: by the number of unknowns.
     pub unsymmetric: Unsymmetric,
-    /// gamma_K, stiffness of the ghost penalty on the faces of boundary cells. Default 0, off: it is
-    /// not part of the model, and is swept before it is trusted.
+    /// gamma_K, stiffness of the ghost penalty on the faces of boundary cells. Default 0, off: direct
+    /// solvers do without. 0.01 bounds the condition of the matrix and changes stresses by less than the
+    /// cells do (`rmpm validate cut-cell`).
     pub ghost_stiffness: f64,
-    /// gamma_M, mass of the ghost penalty. Default 0, off.
+    /// gamma_M, mass of the ghost penalty, where there is inertia. Default 0, off: as above.
     pub ghost_mass: f64,
 }
 

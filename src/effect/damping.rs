@@ -1,6 +1,6 @@
 //! Damping of the motion: local (Cundall) and viscous.
 
-use super::{Clock, Effect, Ledger, Sink, Stages, Totals};
+use super::{Clock, Effect, Ledger, Sink, Stages, Totals, inertia::Motion};
 use crate::{nodes::Nodes, system::System};
 
 /// Books a drag (kN/m) that acts for `dt` (s) on a node moving with `velocity` (m/s) along `axis`.
@@ -111,7 +111,7 @@ impl Effect for ViscousDamping {
     }
 
     /// r_i += c m_i du_i / dt.
-    fn residual(&mut self, nodes: &Nodes, clock: Clock, system: &mut System, tangent: bool) {
+    fn residual(&mut self, nodes: &Nodes, clock: Clock, _: Option<Motion<'_>>, system: &mut System, tangent: bool) {
         for axis in 0..2 {
             for slot in 0..nodes.count {
                 let drag = self.rate * nodes.mass[slot] / clock.dt;

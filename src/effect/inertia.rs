@@ -79,6 +79,20 @@ pub struct Inertia {
     pub norm: f64,
 }
 
+/// Inertia in a step, for effects that look at accelerations.
+#[derive(Clone, Copy)]
+pub struct Motion<'a> {
+    pub inertia: &'a Inertia,
+    pub weights: &'a Weights,
+}
+
+impl Motion<'_> {
+    /// Acceleration of a node at the present increment (m/s2); its derivative is `weights.c0`.
+    pub fn acceleration(&self, nodes: &Nodes, system: &System, axis: usize, slot: usize) -> f64 {
+        self.inertia.acceleration(nodes, system, self.weights, axis, slot)
+    }
+}
+
 impl Inertia {
     /// Inertia with a time scheme.
     pub fn new(scheme: TimeScheme) -> Self {

@@ -4,6 +4,7 @@
 pub mod damping;
 pub mod drive;
 pub mod friction;
+pub mod ghost;
 pub mod gravity;
 pub mod inertia;
 pub mod load;
@@ -12,11 +13,13 @@ pub mod support;
 pub use damping::{LocalDamping, ViscousDamping};
 pub use drive::Drive;
 pub use friction::Friction;
+pub use ghost::Ghost;
 pub use gravity::{Gravity, Schedule};
 pub use inertia::{Inertia, TimeScheme};
 pub use load::Load;
 pub use support::Support;
 
+use self::inertia::Motion;
 use crate::{body::Body, nodes::Nodes, space::Grid, system::System};
 
 /// Where a step stands in time.
@@ -49,6 +52,8 @@ pub struct Stages {
     pub account: bool,
     /// Implicit scheme: adds to residual and tangent itself, in place of `force`.
     pub residual: bool,
+    /// Implicit scheme: couples nodes that no point couples.
+    pub couple: bool,
 }
 
 /// Running totals of what an effect has done to the body, per metre of thickness.
@@ -141,9 +146,21 @@ pub trait Effect: Send {
     /// Reads the final nodal velocity for its energy.
     fn account(&mut self, _nodes: &Nodes, _clock: Clock) {}
 
+    /// Implicit scheme: looks at the points and couples nodes beyond those that share a point, before
+    /// the structure of a step is fixed. In small strain that is once.
+    fn couple(&mut self, _body: &Body, _nodes: &Nodes, _system: &mut System) {}
+
     /// Implicit scheme: adds to the residual, and with `tangent` to the tangent, at the present
-    /// increment.
-    fn residual(&mut self, _nodes: &Nodes, _clock: Clock, _system: &mut System, _tangent: bool) {}
+    /// increment. `motion` gives the accelerations where there is inertia.
+    fn residual(
+        &mut self,
+        _nodes: &Nodes,
+        _clock: Clock,
+        _motion: Option<Motion<'_>>,
+        _system: &mut System,
+        _tangent: bool,
+    ) {
+    }
 
     /// Implicit scheme, in place of `constrain`: holds unknowns, or lets them slide. `iteration`
     /// counts from 0 in each step. Returns how many of its choices have changed.

@@ -5,12 +5,14 @@ use crate::{
     body::Body,
     case::{self, Case, GravitySchedule},
     effect::{
-        Drive, Effect, Friction, Gravity, Load, LocalDamping, Schedule, Support, ViscousDamping, drive::NodeRange,
+        Drive, Effect, Friction, Ghost, Gravity, Load, LocalDamping, Schedule, Support, ViscousDamping,
+        drive::NodeRange,
     },
     space::{Grid, grid::Side},
 };
 
-/// Forces first (gravity and loads, then damping, which looks at the out-of-balance force), then
+/// Forces first (gravity and loads, then damping, which looks at the out-of-balance force, and the
+/// ghost penalty), then
 /// supports that hold both ways, drives, and friction, which sees what they leave.
 ///
 /// # Errors
@@ -28,6 +30,9 @@ pub fn build(case: &Case, grid: &Grid, body: &Body) -> Result<Vec<Box<dyn Effect
     }
     if case.damping.viscous > 0.0 {
         effects.push(Box::new(ViscousDamping::new(case.damping.viscous)));
+    }
+    if has_ghost(case) {
+        effects.push(Box::new(Ghost::new(case.implicit.ghost_stiffness, case.implicit.ghost_mass)));
     }
     effects.extend(sides(case).filter_map(|(side, kind)| hold(side, kind)));
     for d in &case.drive {
@@ -141,6 +146,13 @@ pub fn has_local_damping(case: &Case) -> bool {
     explicit && (case.damping.local > 0.0 || settle(case).is_some_and(|(a, _)| a > 0.0))
 }
 
+/// Whether the ghost penalty acts at any time: its mass only where there may be inertia.
+pub fn has_ghost(case: &Case) -> bool {
+    let i = &case.implicit;
+    let mass = i.ghost_mass > 0.0 && i.regime.inertia().is_some();
+    case.solver.scheme == case::Scheme::Implicit && (i.ghost_stiffness > 0.0 || mass)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -153,5 +165,23 @@ mod tests {
             has_local_damping(&case::read("slope", text, &keys).unwrap_or_else(|e| panic!("{e}")).0)
         };
         assert!(damped("explicit") && !damped("implicit"));
+    }
+
+    #[test]
+    fn a_penalty_of_nothing_is_not_in_the_list() {
+        let text = case::template("slope").expect("a template");
+        let ghosts = |keys: &[&str]| {
+            let keys: Vec<String> = keys.iter().map(|k| (*k).to_owned()).collect();
+            let (case, _) = case::read("slope", text, &keys).unwrap_or_else(|e| panic!("{e}"));
+            let grid = Grid { origin: [0.0; 2], h: 1.0, cells: [4, 4] };
+            let effects = build(&case, &grid, &Body::new(Vec::new())).unwrap_or_else(|e| panic!("{e}"));
+            effects.iter().filter(|e| e.name() == "ghost_penalty").count()
+        };
+        let implicit = "solver.scheme=implicit";
+        assert_eq!(ghosts(&[implicit]), 0);
+        assert_eq!(ghosts(&["implicit.ghost_stiffness=0.1"]), 0);
+        assert_eq!(ghosts(&[implicit, "implicit.ghost_stiffness=0.1"]), 1);
+        assert_eq!(ghosts(&[implicit, "implicit.ghost_mass=0.1"]), 1);
+        assert_eq!(ghosts(&[implicit, "implicit.regime=quasi_static", "implicit.ghost_mass=0.1"]), 0);
     }
 }

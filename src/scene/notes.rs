@@ -2,7 +2,10 @@
 
 use serde::Serialize;
 
-use super::{Scene, effects::has_local_damping, effects::sides};
+use super::{
+    Scene,
+    effects::{has_ghost, has_local_damping, sides},
+};
 use crate::{
     body::Column,
     case::{self, Case, GravitySchedule},
@@ -87,10 +90,9 @@ fn ghost_penalty(case: &Case) -> EffectNote {
             note("ghost_penalty", false, "a remedy of the implicit scheme; MUSL needs none".into(), 0.0)
         }
         case::Scheme::Implicit => {
-            let on = i.ghost_stiffness > 0.0 || i.ghost_mass > 0.0;
             let why =
                 format!("implicit.ghost_stiffness = {}, implicit.ghost_mass = {}", i.ghost_stiffness, i.ghost_mass);
-            note("ghost_penalty", on, why, 0.0)
+            note("ghost_penalty", has_ghost(case), why, 0.0)
         }
     }
 }

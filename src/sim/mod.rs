@@ -35,7 +35,7 @@ pub struct Energies {
     pub friction: f64,
     pub damping: f64,
     /// What the other terms leave over: external - kinetic - strain - dissipated. It is the
-    /// energy that the scheme itself loses or makes (PIC, FLIP noise, impacts on supports).
+    /// energy that the scheme itself loses or makes (PIC, FLIP noise, impacts on supports, ghost penalty).
     pub numerical: f64,
 }
 
@@ -113,6 +113,11 @@ impl Simulation {
     /// The stable time step (s), if the integrator has one.
     pub fn stable_dt(&mut self) -> Option<f64> {
         self.integrator.stable_dt(&self.body)
+    }
+
+    /// Estimate of the condition number of the last system, where systems are solved.
+    pub fn condition(&mut self) -> Option<f64> {
+        self.integrator.condition()
     }
 
     /// The integrator's books.

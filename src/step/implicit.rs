@@ -10,7 +10,10 @@ use crate::{
     },
     body::{Body, chunks},
     domain,
-    effect::{Clock, Effect, Inertia, Sink, TimeScheme, inertia::Weights},
+    effect::{
+        Clock, Effect, Inertia, Sink, TimeScheme,
+        inertia::{Motion, Weights},
+    },
     fault::{Fault, FaultKind},
     math::{
         linear::{Options, Solver},
@@ -166,11 +169,14 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
         let finite = body.groups.iter().any(|g| g.law.finite());
         if finite || !self.filled {
             self.nodes.begin();
-            let Implicit { scratch, nodes, kept, system, path, shape, .. } = self;
+            let Implicit { scratch, nodes, kept, system, effects, path, shape, .. } = self;
             let shape = *shape;
             path.run(Scatter { scratch: scratch.as_mut(), body, nodes, shape });
             system.begin(nodes.count);
             path.run(Keep { scratch: scratch.as_mut(), body, nodes, kept, system, shape });
+            for effect in effects.iter_mut().filter(|e| e.stages().couple) {
+                effect.couple(body, nodes, system);
+            }
             let change = system.adopt(nodes.grid.row(), &nodes.id[..nodes.count], true);
             work.patterns += u64::from(change == Change::Rebuilt);
             work.patterns_reused += u64::from(change == Change::Subset);
@@ -361,9 +367,10 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
             let residual = self.system.residual[axis].iter_mut();
             residual.zip(&self.nodes.force[axis]).for_each(|(r, f)| *r -= f);
         }
-        let Implicit { effects, nodes, system, .. } = self;
+        let Implicit { effects, nodes, system, inertia, .. } = self;
+        let motion = weights.as_ref().zip(inertia.as_ref()).map(|(weights, inertia)| Motion { inertia, weights });
         for effect in effects.iter_mut().filter(|e| e.stages().residual) {
-            effect.residual(nodes, clock, system, true);
+            effect.residual(nodes, clock, motion, system, true);
         }
         system.release();
         let holding = effects.iter_mut().filter(|e| e.stages().constrain);
@@ -619,6 +626,10 @@ impl<S: Shape<N>, const N: usize> Integrator for Implicit<S, N> {
 
     fn phases(&self) -> Vec<(&'static str, f64)> {
         PHASES.into_iter().zip(self.phases).collect()
+    }
+
+    fn condition(&mut self) -> Option<f64> {
+        Some(self.solver.condition(&self.system.pattern, &self.system.values))
     }
 
     /// Few iterations: longer steps; many: shorter ones. With a tolerance the local error decides,

@@ -74,6 +74,13 @@ pub trait Integrator: Send {
         Report::default()
     }
 
+    /// Estimate of the condition number, in the 1-norm, of the last system that was solved: a dozen
+    /// solves with its factor. The size of the matrix is read where the step has ended. `None` where
+    /// nothing is solved. No run asks for it; studies do.
+    fn condition(&mut self) -> Option<f64> {
+        None
+    }
+
     /// What happened so far.
     fn events(&self) -> &[Event] {
         &[]

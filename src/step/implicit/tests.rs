@@ -4,7 +4,7 @@ use super::*;
 use crate::{
     block::{Law, PointLaw},
     body::{Column, GroupSeed, Seedling},
-    effect::{Friction, Support},
+    effect::{Friction, Ghost, Support},
     kinematics::{Hencky, Kinematics, Small, StrengthMeasure},
     material::{Columns, Elasticity, Strength, VonMises},
     math::tensor::Voigt,
@@ -177,6 +177,24 @@ fn the_tangent_holds_with_friction_and_supports() {
             let error = tangent_error(Linear, body, setting, 0.01);
             assert!(error < TOLERANCE, "{regime:?} {separation}: {error:e}");
         }
+    }
+}
+
+#[test]
+fn the_tangent_holds_with_a_ghost_penalty() {
+    let regimes = [
+        Regime::QuasiStatic,
+        Regime::Dynamic(TimeScheme::BackwardEuler),
+        Regime::Dynamic(TimeScheme::Newmark),
+        Regime::Dynamic(TimeScheme::Hht { alpha: 0.1 }),
+    ];
+    for regime in regimes {
+        let ghosted = |smooth: bool| Setting { smooth, effects: vec![Box::new(Ghost::new(0.5, 0.5))], ..plain(regime) };
+        let body = || body(law::<Hencky>(StrengthMeasure::Cauchy), clay(20.0));
+        let linear = tangent_error(Linear, body(), ghosted(false), 0.01);
+        let smooth = tangent_error(Linear, body(), ghosted(true), 0.01);
+        let gimp = tangent_error(Gimp, body(), ghosted(false), 0.01);
+        assert!(linear.max(smooth).max(gimp) < TOLERANCE, "{regime:?}: {linear:e} {smooth:e} {gimp:e}");
     }
 }
 
