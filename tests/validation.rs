@@ -50,6 +50,11 @@ fn light_node() {
 }
 
 #[test]
+fn cut_cell() {
+    holds("cut-cell");
+}
+
+#[test]
 fn no_problem_is_left_out_here() {
     let tested = include_str!("validation.rs");
     for problem in problems() {

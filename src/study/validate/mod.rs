@@ -5,6 +5,7 @@
 //! reason for the tolerance). Both files are embedded, so the installed program needs no folder.
 
 mod courant;
+mod cut_cell;
 mod in_situ;
 mod incline;
 mod light_node;
@@ -86,6 +87,7 @@ pub fn problems() -> &'static [&'static dyn Problem] {
         &patch::Patch,
         &in_situ::InSitu,
         &light_node::LightNode,
+        &cut_cell::CutCell,
     ]
 }
 
