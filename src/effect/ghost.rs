@@ -37,7 +37,7 @@
 //! - E and rho are means over the points of the two cells, weighted with initial volume.
 //!
 //! W. M. Coombs, Ghost stabilisation of the material point method for stable quasi-static and dynamic
-//! analysis of large deformation problems, Int. J. Numer. Meth. Engng. 124 (2023); E. Burman, Ghost
+//! analysis of large deformation problems, Int. J. Numer. Meth. Engng. (2022); E. Burman, Ghost
 //! penalty, C. R. Acad. Sci. Paris 348 (2010).
 
 use super::{Clock, Effect, Ledger, Stages, inertia::Motion};
