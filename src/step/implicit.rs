@@ -145,6 +145,11 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
     }
 
     fn try_step(&mut self, body: &mut Body, clock: Clock, work: &mut Work) -> Result<(), Fault> {
+        if let (Regime::Auto(scheme), None) = (self.settings.regime, &self.inertia)
+            && body.kinetic_energy() > 0.0
+        {
+            self.bring_inertia_in(scheme, clock);
+        }
         let weights = self.inertia.as_ref().map(|i| i.scheme.weights(clock.dt));
         self.timed(STENCILS, |i| i.place(body, work));
         self.start(body, clock, weights)?;
@@ -272,6 +277,9 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
             Err(fault) => return Err(fault),
         };
         loop {
+            if residual.changes > 0 {
+                self.convergence.change_equations();
+            }
             let settled = residual.changes == 0 && self.system.gap() == 0.0;
             match self.convergence.note(residual.norm, residual.scale) {
                 Verdict::Converged if settled => break,
@@ -536,9 +544,14 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
         }
         let why = if unstable { "the tangent is not positive definite" } else { "Newton's iteration fails" };
         self.events.push(Event { time_s: clock.time, kind: "stability_lost", why: why.to_owned() });
+        self.bring_inertia_in(scheme, clock);
+        true
+    }
+
+    /// From here on the body has inertia. A body that moves at the start has it from the start.
+    fn bring_inertia_in(&mut self, scheme: TimeScheme, clock: Clock) {
         self.events.push(Event { time_s: clock.time, kind: "inertia_on", why: format!("{scheme:?}") });
         self.inertia = Some(Inertia::new(scheme));
-        true
     }
 }
 
