@@ -1,6 +1,7 @@
 //! The command line: arguments in, exit code out.
 
 mod check;
+mod compare;
 mod converge;
 mod exit;
 mod explain;
@@ -39,6 +40,8 @@ enum Verb {
     Solve(solve::Args),
     /// How an answer depends on mesh, points or any key: median and spread of jittered runs
     Converge(converge::Args),
+    /// Compare the explicit with the implicit scheme on one case
+    Compare(compare::Args),
     /// Run the problems with known answers and compare
     Validate(validate::Args),
     /// Redraw the pictures of a run from its frames
@@ -59,6 +62,7 @@ pub fn main() -> ExitCode {
         Verb::Explain(args) => explain::run(&args),
         Verb::Solve(args) => solve::run(&args),
         Verb::Converge(args) => converge::run(&args),
+        Verb::Compare(args) => compare::run(&args),
         Verb::Validate(args) => validate::run(&args),
         Verb::Plot(args) => plot::run(&args),
         Verb::Completions { shell } => {

@@ -30,6 +30,11 @@ impl SlideProbe {
         SlideProbe { crest: crest[0], columns: at_crest.map(|(id, x)| (id, x[0])).collect() }
     }
 
+    /// Identity of the top point of the column nearest to the crest.
+    pub fn crest_point(&self) -> Option<u32> {
+        self.columns.last().map(|(id, _)| *id)
+    }
+
     /// r (m) for a test of "has slid" on a point's identity.
     pub fn distance(&self, slid: impl Fn(u32) -> bool) -> f64 {
         self.columns.iter().find(|(id, _)| slid(*id)).map_or(0.0, |(_, x0)| self.crest - x0)

@@ -3,7 +3,9 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use tiny_skia::{FillRule, LineCap, LineJoin, Paint, PathBuilder, Pixmap, Rect, Stroke, StrokeDash, Transform};
+use tiny_skia::{
+    FillRule, LineCap, LineJoin, Paint, PathBuilder, Pixmap, PixmapPaint, Rect, Stroke, StrokeDash, Transform,
+};
 
 use super::colour::{Rgb, WHITE};
 use super::font;
@@ -107,6 +109,12 @@ impl Canvas {
                 self.pixmap.fill_path(&path, &paint(colour), FillRule::Winding, Transform::identity(), None);
             }
         }
+    }
+
+    /// Lays another picture onto this one, its upper left corner to `corner`.
+    pub fn paste(&mut self, other: &Canvas, corner: (i32, i32)) {
+        let (paint, whole) = (PixmapPaint::default(), Transform::identity());
+        self.pixmap.draw_pixmap(corner.0, corner.1, other.pixmap.as_ref(), &paint, whole, None);
     }
 
     /// Text with its baseline through (x, y).

@@ -6,6 +6,14 @@ use std::sync::LazyLock;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rgb(pub u8, pub u8, pub u8);
 
+impl Rgb {
+    /// A share `t` in 0..1 of the way to white.
+    pub fn paler(self, t: f64) -> Rgb {
+        let mix = |c: u8| (f64::from(c) + t.clamp(0.0, 1.0) * (255.0 - f64::from(c))).round() as u8;
+        Rgb(mix(self.0), mix(self.1), mix(self.2))
+    }
+}
+
 pub const BLACK: Rgb = Rgb(25, 25, 25);
 pub const WHITE: Rgb = Rgb(255, 255, 255);
 pub const GRID: Rgb = Rgb(226, 226, 226);

@@ -17,6 +17,7 @@ mod look;
 mod place;
 mod points;
 mod series;
+mod sheet;
 mod text;
 mod ticks;
 mod view;
@@ -27,6 +28,7 @@ pub use field::{Dimension, FieldOptions, field, field_png};
 pub use intervals::{Interval, IntervalPlot, intervals, intervals_png};
 pub use kind::FieldKind;
 pub use series::{Band, Bar, Curve, Marker, SeriesPlot, Style, series, series_png};
+pub use sheet::{Part, sheet};
 pub use view::View;
 
 #[cfg(test)]

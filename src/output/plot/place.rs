@@ -96,8 +96,9 @@ impl Place {
         }
         if curve.style != Style::Points {
             let line = if curve.style == Style::Step { staircase(&points) } else { points.clone() };
+            let width = if curve.thin { 1.5 } else { 3.0 };
             let dash = curve.dashed.then_some((14.0, 9.0));
-            self.clipped(&clip::thin(line)).iter().for_each(|part| canvas.line(part, 3.0, colour, dash));
+            self.clipped(&clip::thin(line)).iter().for_each(|part| canvas.line(part, width, colour, dash));
         }
         if matches!(curve.style, Style::Points | Style::LinePoints) || points.len() == 1 {
             points.iter().filter(|p| self.holds(**p)).for_each(|p| canvas.disc(*p, 6.0, colour));

@@ -65,6 +65,8 @@ pub struct Curve {
     pub spread: Vec<(f64, f64)>,
     pub style: Style,
     pub dashed: bool,
+    /// A thin line, for one of many.
+    pub thin: bool,
     /// The next one of [`PALETTE`] where `None`.
     pub colour: Option<Rgb>,
 }
