@@ -76,7 +76,7 @@ pub struct Study {
 pub fn compare(plan: &Plan, case: &Case, progress: &(dyn Fn(usize, usize) + Sync)) -> Result<Study, String> {
     let entries = variants::entries(case, &plan.steps, plan.runs, plan.sweep);
     entries.iter().try_for_each(|e| prepare(plan, &e.overrides, 0).map(drop).map_err(|t| told(e, &t)))?;
-    let ramp = onset::overrides(case);
+    let full = onset::crest_weight(case);
     // by realisation, so that the schemes share the moods of the machine
     let most = entries.iter().map(|e| e.count).max().unwrap_or(0);
     let jobs: Vec<(u64, &Entry)> =
@@ -86,7 +86,7 @@ pub fn compare(plan: &Plan, case: &Case, progress: &(dyn Fn(usize, usize) + Sync
         .par_iter()
         .with_max_len(1)
         .map(|&(k, entry)| {
-            let result = one(plan, entry, ramp.as_ref(), k);
+            let result = one(plan, entry, full, k);
             progress(done.fetch_add(1, Ordering::Relaxed) + 1, jobs.len());
             result.map_err(|e| problem.lock().map(|mut p| p.get_or_insert(told(entry, &e)).len())).ok()
         })
@@ -148,14 +148,14 @@ fn prepare(plan: &Plan, further: &[String], realisation: u64) -> Result<(Case, S
 }
 
 /// One run of a variant to its end, and one to its onset.
-fn one(plan: &Plan, entry: &Entry, ramp: Option<&(Vec<String>, f64)>, realisation: u64) -> Result<Run, String> {
+fn one(plan: &Plan, entry: &Entry, full: Option<f64>, realisation: u64) -> Result<Run, String> {
     let (case, mut scene) = prepare(plan, &entry.overrides, realisation)?;
     let mut run = single::to_the_end(&case, &mut scene, realisation, plan.limits)?;
     drop(scene);
-    if let Some((keys, full)) = ramp.filter(|_| entry.onset) {
-        let further: Vec<String> = entry.overrides.iter().chain(keys).cloned().collect();
-        let (case, mut scene) = prepare(plan, &further, realisation)?;
-        run.onset = Some(onset::find(&case, &mut scene, *full, plan.limits));
+    if let Some(full) = full.filter(|_| entry.onset) {
+        let case = onset::raised(&case, full);
+        let mut scene = scene::build(&case, plan.max_memory).map_err(|e| e.to_string())?;
+        run.onset = Some(onset::find(&case, &mut scene, full, plan.limits));
     }
     Ok(run)
 }

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::clock;
 use crate::{
-    case::{Case, GravitySchedule},
+    case::{Case, GravitySchedule, InitialStress, Material},
     fault::Fault,
     measure::SlideProbe,
     run::Limits,
@@ -26,7 +26,8 @@ const LOOK: f64 = 0.02;
 /// What raising gravity has shown.
 #[derive(Clone, Debug, Serialize)]
 pub struct Onset {
-    /// Unit weight of the soil at the crest at the onset (kN/m3); `None`: it stands under full gravity.
+    /// Unit weight of the soil at the crest at the onset (kN/m3); `None`: it stands under 1.5 times full
+    /// gravity.
     pub unit_weight_kn_m3: Option<f64>,
     /// The same over full gravity.
     pub share: Option<f64>,
@@ -38,9 +39,12 @@ pub struct Onset {
     pub work: Work,
 }
 
-/// What makes a case one for the onset, and the unit weight at the crest (kN/m3) under full
-/// gravity. `None` where there is no crest or no gravity.
-pub fn overrides(case: &Case) -> Option<(Vec<String>, f64)> {
+/// Gravity is raised to at most this many times its full value.
+const BEYOND: f64 = 1.5;
+
+/// Unit weight of the soil at the crest under full gravity (kN/m3); `None` where there is no crest
+/// or no gravity.
+pub fn crest_weight(case: &Case) -> Option<f64> {
     let crest = case.slide.as_ref()?.crest;
     if case.gravity.schedule == GravitySchedule::None {
         return None;
@@ -48,16 +52,25 @@ pub fn overrides(case: &Case) -> Option<(Vec<String>, f64)> {
     // the soil just behind and below the crest
     let inside = [crest[0] - 0.5 * case.grid.cell, crest[1] - 0.5 * case.grid.cell];
     let region = case.region.iter().rev().find(|r| r.shape.contains(inside)).or(case.region.last())?;
-    let full = case.material.get(&region.material)?.elastic().unit_weight;
-    let ramp = vec![
-        "gravity.schedule=ramp".to_owned(),
-        format!("gravity.ramp_time={:?}", full / RATE),
-        "initial_stress.kind=none".to_owned(),
-    ];
-    Some((ramp, full))
+    Some(case.material.get(&region.material)?.elastic().unit_weight)
 }
 
-/// Raises gravity until the crest has moved or gravity is full.
+/// The case with gravity that grows by [`RATE`] at the crest and passes its full value there: mass
+/// stays, acceleration and weight grow. `full` is the unit weight at the crest (kN/m3).
+pub fn raised(case: &Case, full: f64) -> Case {
+    let mut case = case.clone();
+    case.gravity.acceleration *= BEYOND;
+    case.gravity.schedule = GravitySchedule::Ramp { ramp_time: BEYOND * full / RATE };
+    case.initial_stress = InitialStress::None;
+    case.end.time = BEYOND * full / RATE;
+    for material in case.material.values_mut() {
+        let (Material::Elastic { elastic } | Material::VonMises { elastic, .. }) = material;
+        elastic.unit_weight *= BEYOND;
+    }
+    case
+}
+
+/// Raises gravity until the crest has moved, or gravity is at its end. The case is a [`raised`] one.
 pub fn find(case: &Case, scene: &mut Scene, full: f64, limits: Limits) -> Onset {
     let before = clock::thread_seconds();
     let sim = &mut scene.simulation;
@@ -65,8 +78,8 @@ pub fn find(case: &Case, scene: &mut Scene, full: f64, limits: Limits) -> Onset 
     let probe = case.slide.as_ref().map(|s| SlideProbe::new(&reference, s.crest, scene.grid.h));
     let crest = probe.and_then(|p| p.crest_point());
     let mut track = Vec::new();
-    let fault = crest.and_then(|id| climb(sim, id as usize, full / RATE, limits, &mut track).err());
-    let at = crossing(&track, DISPLACEMENT).map(|time| (RATE * time).min(full));
+    let fault = crest.and_then(|id| climb(sim, id as usize, case.end.time, limits, &mut track).err());
+    let at = crossing(&track, DISPLACEMENT).map(|time| RATE * time);
     let lost = sim.events().iter().find(|e| e.kind == "stability_lost");
     Onset {
         unit_weight_kn_m3: at,
@@ -126,9 +139,12 @@ mod tests {
             let text = crate::case::template(name).expect("a template");
             crate::case::read(name, text, &[]).unwrap_or_else(|e| panic!("{e}")).0
         };
-        let (keys, full) = overrides(&read("slope")).expect("a crest");
-        assert_eq!(full, 20.0);
-        assert!(keys.contains(&"gravity.ramp_time=20.0".to_owned()), "{keys:?}");
-        assert_eq!(overrides(&read("bar")), None);
+        let case = read("slope");
+        let full = crest_weight(&case).expect("a crest");
+        let raised = raised(&case, full);
+        assert_eq!((full, raised.gravity_end()), (20.0, 30.0));
+        let density = |c: &Case| c.material["clay"].elastic().unit_weight / c.gravity.acceleration;
+        assert!((density(&raised) / density(&case) - 1.0).abs() < 1e-12);
+        assert_eq!(crest_weight(&read("bar")), None);
     }
 }
