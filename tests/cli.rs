@@ -283,6 +283,7 @@ fn the_implicit_scheme_tells_what_it_took_and_when_the_slope_lost_its_stability(
     let (_root, out) = folder();
     let mut command = solve(&out);
     command.args(["--scheme", "implicit", "--set", "grid.cell=1", "--set", "implicit.time_step=0.04"]);
+    command.args(["--set", "material.clay.cohesion=16"]);
     let (stdout, _) = ends(command, 0);
     for words in ["iterations a step", "stability lost", "inertia on"] {
         assert!(stdout.contains(words), "{words}: {stdout}");
@@ -434,6 +435,41 @@ fn converge_leaves_table_and_pictures() {
     for name in ["converge.png", "shapes.png"] {
         assert!(fs::read(out.join(name)).expect(name).starts_with(b"\x89PNG"));
     }
+}
+
+/// Cells of 1 m and a weaker clay, which slides.
+#[test]
+fn compare_schemes_leaves_tables_and_a_picture() {
+    let (_root, out) = folder();
+    let mut command = rmpm(&["compare", "schemes", SLOPE, "--set", "grid.cell=1"]);
+    command.args(["--set", "material.clay.cohesion=16", "--runs", "2", "--sweep-runs", "1", "--dt", "0.04,0.08"]);
+    command.arg("--out").arg(&out);
+    let (stdout, _) = ends(command, 0);
+    for words in ["equilibrium lost at", "first block", "CPU seconds to the end", "- Onset:", "- Cost to the end:"] {
+        assert!(stdout.contains(words), "{words}: {stdout}");
+    }
+    let study = json(&out.join("compare.json"));
+    let rows = study["rows"].as_array().expect("rows");
+    let names: Vec<&str> = rows.iter().filter_map(|r| r["variant"].as_str()).collect();
+    let all = ["explicit", "implicit, 0.04 s", "implicit, 0.08 s", "implicit, 0.04 s, hht"];
+    assert_eq!(names[..4], all);
+    // both solve the same equations; 5 %: the steps of 0.04 s and the looks at the crest
+    let onset = |k: usize| rows[k]["figures"]["onset_kn_m3"]["median"].as_f64().expect("an onset");
+    assert!((onset(0) / onset(1) - 1.0).abs() < 0.05, "{} and {}", onset(0), onset(1));
+    let csv = fs::read_to_string(out.join("compare.csv")).expect("compare.csv");
+    assert_eq!(csv.lines().count(), 1 + names.len());
+    assert!(fs::read(out.join("compare.png")).expect("a picture").starts_with(b"\x89PNG"));
+}
+
+#[test]
+fn compare_schemes_of_a_bar_leaves_out_what_a_bar_has_not() {
+    let (_root, out) = folder();
+    let bar = concat!(env!("CARGO_MANIFEST_DIR"), "/cases/bar.toml");
+    let mut command = rmpm(&["compare", "schemes", bar, "--dt", "0.05", "--sweep-runs", "0"]);
+    command.arg("--out").arg(&out);
+    let (stdout, _) = ends(command, 0);
+    assert!(stdout.contains("starts in motion") && stdout.contains("- Displacement:"), "{stdout}");
+    assert!(!stdout.contains("sliding distance") && !stdout.contains("onset"), "{stdout}");
 }
 
 #[test]

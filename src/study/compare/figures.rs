@@ -30,6 +30,7 @@ pub const FIGURES: &[Figure] = &[
     figure("blocks", "blocks", 1, |r| r.blocks.map(|b| b as f64)),
     figure("runout_m", "run-out (m)", 2, |r| r.sliding_distance_m.map(|_| r.runout_m)),
     figure("displacement_m", "largest displacement (m)", 3, |r| Some(r.displacement_m)),
+    figure("amplitude_m", "  at any time (m)", 3, |r| r.amplitude_m),
     figure("rest_time_s", "at rest (s)", 2, |r| (r.status == Status::AtRest).then_some(r.end_time_s)),
     figure("external_kj_per_m", "energy supplied (kJ/m)", 2, |r| Some(r.energy_kj_per_m.external)),
     figure("dissipated_kj_per_m", "  dissipated (kJ/m)", 2, |r| Some(r.energy_kj_per_m.dissipated)),

@@ -62,9 +62,6 @@ pub struct Study {
     pub jitter: f64,
     pub cell_m: f64,
     pub rows: Vec<Row>,
-    /// Largest distance between the same points of both schemes at the end (m), in the first run:
-    /// where nothing is left to chance.
-    pub distance_m: Option<f64>,
     /// What the figures say, in plain words.
     pub conclusions: Vec<String>,
 }
@@ -119,7 +116,6 @@ fn study(plan: &Plan, case: &Case, rows: Vec<Row>) -> Study {
         overrides: plan.overrides.clone(),
         jitter: plan.jitter,
         cell_m: case.grid.cell,
-        distance_m: distance(&rows).filter(|_| case.slide.is_none()),
         rows,
         conclusions: Vec::new(),
     };
@@ -129,11 +125,6 @@ fn study(plan: &Plan, case: &Case, rows: Vec<Row>) -> Study {
         study.conclusions.insert(0, text.to_owned());
     }
     study
-}
-
-fn distance(rows: &[Row]) -> Option<f64> {
-    let [a, b] = rows.get(..2)? else { return None };
-    Some(single::distance(a.runs.first()?, b.runs.first()?))
 }
 
 /// A case with overrides, and its scene.

@@ -30,6 +30,8 @@ pub struct Run {
     pub runout_m: f64,
     /// Largest displacement of a point at the end (m).
     pub displacement_m: f64,
+    /// Largest displacement of a point at any frame (m), where the case has no crest.
+    pub amplitude_m: Option<f64>,
     /// Simulated time at which the run ended (s).
     pub end_time_s: f64,
     pub energy_kj_per_m: Energies,
@@ -43,13 +45,25 @@ pub struct Run {
     pub snapshot: Snapshot,
 }
 
-/// Keeps the samples.
-struct Keep(Vec<Sample>);
+/// Keeps the samples, and the largest displacement where there is no sliding distance.
+struct Keep {
+    samples: Vec<Sample>,
+    amplitude: Option<f64>,
+}
 
 impl Observer for Keep {
     fn sample(&mut self, sample: &Sample) -> std::io::Result<()> {
-        self.0.push(*sample);
+        self.samples.push(*sample);
         Ok(())
+    }
+
+    fn frame(&mut self, snapshot: &Snapshot) -> std::io::Result<()> {
+        self.amplitude = self.amplitude.map(|a| a.max(largest(snapshot)));
+        Ok(())
+    }
+
+    fn wants_frames(&self) -> bool {
+        self.amplitude.is_some()
     }
 }
 
@@ -58,7 +72,8 @@ impl Observer for Keep {
 /// # Errors
 /// None in practice: nothing is written.
 pub fn to_the_end(case: &Case, scene: &mut Scene, realisation: u64, limits: Limits) -> Result<Run, String> {
-    let (mut keep, before) = (Keep(Vec::new()), clock::thread_seconds());
+    let mut keep = Keep { samples: Vec::new(), amplitude: case.slide.is_none().then_some(0.0) };
+    let before = clock::thread_seconds();
     let outcome = run::run(case, scene, limits, &mut keep).map_err(|e| e.to_string())?;
     let cpu_s = clock::thread_seconds().zip(before).map(|(b, a)| b - a);
     let (m, snapshot) = (outcome.measures, scene.simulation.snapshot());
@@ -73,23 +88,32 @@ pub fn to_the_end(case: &Case, scene: &mut Scene, realisation: u64, limits: Limi
         first_block_m: m.plateaus.first().map(|p| p.sliding_distance_m),
         censored: m.sliding_distance_censored,
         runout_m: m.runout_m,
-        displacement_m: (0..snapshot.len()).map(|i| length(snapshot.displacement(i))).fold(0.0, f64::max),
+        displacement_m: largest(&snapshot),
+        amplitude_m: keep.amplitude,
         end_time_s: outcome.time,
         energy_kj_per_m: m.energy_kj_per_m,
-        peak_kinetic_kj_per_m: keep.0.iter().map(|s| s.energies.kinetic).fold(0.0, f64::max),
+        peak_kinetic_kj_per_m: keep.samples.iter().map(|s| s.energies.kinetic).fold(0.0, f64::max),
         work: scene.simulation.work.clone(),
         cpu_s,
-        history: keep.0,
+        history: keep.samples,
         snapshot,
     })
+}
+
+/// Largest displacement of a point (m).
+fn largest(snapshot: &Snapshot) -> f64 {
+    (0..snapshot.len()).map(|i| length(snapshot.displacement(i))).fold(0.0, f64::max)
 }
 
 fn length(u: [f64; 2]) -> f64 {
     u[0].hypot(u[1])
 }
 
-/// Largest distance between the same points of two runs at their ends (m).
-pub fn distance(a: &Run, b: &Run) -> f64 {
+/// Largest distance between the same points of two runs at their ends, over the largest displacement
+/// at any time; `None` where a sliding distance says more, or nothing moved.
+pub fn distance(a: &Run, b: &Run) -> Option<f64> {
+    let amplitude = a.amplitude_m.zip(b.amplitude_m).map(|(a, b)| a.max(b)).filter(|a| *a > 0.0)?;
     let pairs = a.snapshot.position.iter().zip(&b.snapshot.position);
-    pairs.map(|(p, q)| length([p[0] - q[0], p[1] - q[1]])).fold(0.0, f64::max)
+    let apart = pairs.map(|(p, q)| length([p[0] - q[0], p[1] - q[1]])).fold(0.0, f64::max);
+    Some(apart / amplitude)
 }

@@ -1,6 +1,9 @@
 //! The comparison as text: tables for people, rows for other programs.
 
-use super::{Group, Row, Study, figures::FIGURES};
+use super::{
+    Group, Row, Study,
+    figures::{FIGURES, Figure},
+};
 use crate::math::stats::Summary;
 
 /// Figures of the second table, which has a line a variant.
@@ -8,7 +11,7 @@ const SWEEP: [(&str, &str); 8] = [
     ("onset_kn_m3", "onset"),
     ("first_block_m", "1st block"),
     ("sliding_distance_m", "r"),
-    ("displacement_m", "moved"),
+    ("amplitude_m", "moved"),
     ("dissipated_kj_per_m", "dissipated"),
     ("numerical_kj_per_m", "numerical"),
     ("onset_cpu_s", "CPU onset"),
@@ -31,7 +34,8 @@ fn schemes(rows: &[Row]) -> String {
     let heads = [a, b].map(|r| format!("{} ({} runs)", r.entry.variant, r.runs.len()));
     let mut text = format!("{:<36} {:>28} {:>28}\n", "medians (least to largest)", heads[0], heads[1]);
     for f in FIGURES {
-        let cell = |row: &Row| row.figures.get(f.name).map(|s| spread(s, f.digits));
+        let digits = digits(f, rows);
+        let cell = |row: &Row| row.figures.get(f.name).map(|s| spread(s, digits));
         let cells = [cell(a), cell(b)];
         if cells.iter().any(Option::is_some) {
             let [x, y] = cells.map(|c| c.unwrap_or_else(|| "-".to_owned()));
@@ -48,6 +52,13 @@ fn schemes(rows: &[Row]) -> String {
 
 fn counts(a: &Row, b: &Row, of: fn(&Row) -> usize) -> [usize; 2] {
     [of(a), of(b)]
+}
+
+/// Decimals of a figure; more where all values are small.
+fn digits(f: &Figure, rows: &[Row]) -> usize {
+    let largest = rows.iter().filter_map(|r| r.median(f.name)).map(f64::abs).fold(0.0, f64::max);
+    let small = f.digits > 0 && largest > 0.0 && largest < 1.0;
+    if small { f.digits + (-largest.log10()).ceil().clamp(0.0, 12.0) as usize } else { f.digits }
 }
 
 fn spread(s: &Summary, digits: usize) -> String {
@@ -67,7 +78,7 @@ fn sweep(study: &Study) -> String {
     for row in &study.rows {
         text += &format!("{:<32} {:>5}", row.entry.variant, row.runs.len());
         for (name, _) in &shown {
-            let digits = FIGURES.iter().find(|f| f.name == *name).map_or(2, |f| f.digits);
+            let digits = FIGURES.iter().find(|f| f.name == *name).map_or(2, |f| digits(f, &study.rows));
             let cell = row.median(name).map_or("-".to_owned(), |v| format!("{v:.digits$}"));
             text += &format!(" {cell:>10}");
         }

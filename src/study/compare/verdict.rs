@@ -1,9 +1,14 @@
 //! What the figures of a comparison say, in plain words. Nothing here is known beforehand.
 
-use super::{Group, Row, Study};
+use super::{Group, Row, Study, single};
 
 /// Share by which onsets may differ and still count as the same.
 const SAME_ONSET: f64 = 0.03;
+/// Share of the largest displacement by which the same points may be apart at the end and still count
+/// as moved alike.
+const SAME_END: f64 = 0.05;
+/// CPU time below which two runs cannot be told apart (s).
+const SHORT: f64 = 0.02;
 
 /// All conclusions.
 pub fn conclusions(study: &Study) -> Vec<String> {
@@ -12,7 +17,7 @@ pub fn conclusions(study: &Study) -> Vec<String> {
         onset(explicit, implicit),
         first_block(explicit, implicit, study.cell_m),
         slide(explicit, implicit),
-        motion(explicit, implicit, study.distance_m),
+        motion(explicit, implicit),
         numerical(explicit, implicit),
     ]
     .into_iter()
@@ -70,12 +75,17 @@ fn slide(a: &Row, b: &Row) -> Option<String> {
     ))
 }
 
-/// Where nothing slides: how far the same points are apart.
-fn motion(a: &Row, b: &Row, distance: Option<f64>) -> Option<String> {
-    let (apart, (e, i)) = distance.zip(both(a, b, "displacement_m"))?;
-    let share = 100.0 * apart / e.max(i).max(f64::MIN_POSITIVE);
+/// Where no sliding distance is defined: how far the same points are apart, over the largest
+/// displacement at any time.
+fn apart(a: &Row, b: &Row) -> Option<f64> {
+    single::distance(a.runs.first()?, b.runs.first()?)
+}
+
+fn motion(a: &Row, b: &Row) -> Option<String> {
+    let (share, (e, i)) = apart(a, b).zip(both(a, b, "amplitude_m"))?;
     Some(format!(
-        "At the end the same points are up to {apart:.3e} m apart, {share:.1} % of the largest displacement ({e:.3e} and {i:.3e} m)."
+        "Displacement: at most {e:.3e} m (explicit) and {i:.3e} m (implicit); at the end the same points are up to {:.1} % of it apart.",
+        100.0 * share
     ))
 }
 
@@ -91,8 +101,11 @@ fn numerical(a: &Row, b: &Row) -> Option<String> {
 }
 
 /// What a variant changes against the compared implicit one.
-fn change(row: &Row, base: &Row) -> String {
+fn change(row: &Row, base: &Row, explicit: &Row) -> String {
     let mut parts = Vec::new();
+    if let Some(share) = apart(explicit, row) {
+        parts.push(format!("{:.1} % away from the explicit points", 100.0 * share));
+    }
     if let Some((b, r)) = both(base, row, "sliding_distance_m") {
         parts.push(format!("r {:+.2} m", r - b));
     }
@@ -110,7 +123,7 @@ fn change(row: &Row, base: &Row) -> String {
 
 fn group(study: &Study, group: Group, base: &Row, opening: &str) -> Option<String> {
     let rows = study.rows.iter().filter(|r| r.entry.group == group);
-    let parts: Vec<String> = rows.map(|r| change(r, base)).collect();
+    let parts: Vec<String> = rows.map(|r| change(r, base, &study.rows[0])).collect();
     (!parts.is_empty()).then(|| format!("{opening} {}: {}.", base.entry.variant, parts.join("; ")))
 }
 
@@ -126,9 +139,12 @@ fn same_onset(a: &Row, b: &Row) -> bool {
     both(a, b, "onset_kn_m3").is_some_and(|(e, i)| (i / e - 1.0).abs() <= SAME_ONSET)
 }
 
-/// Without a slide every end is the same one; the text above says how far they are apart.
+/// r within a block; where r is not defined, points that end close together.
 fn same_end(a: &Row, b: &Row) -> bool {
-    both(a, b, "sliding_distance_m").is_none_or(|(e, i)| (e - i).abs() <= block(a).unwrap_or(0.0))
+    match both(a, b, "sliding_distance_m") {
+        Some((e, i)) => (e - i).abs() <= block(a).unwrap_or(0.0),
+        None => apart(a, b).is_none_or(|share| share <= SAME_END),
+    }
 }
 
 /// Which scheme is cheaper, among the implicit variants that give the answer of the explicit one.
@@ -138,6 +154,9 @@ fn better(study: &Study, explicit: &Row, name: &str, what: &str, same: &dyn Fn(&
     let Some((row, i)) = alike.min_by(|a, b| a.1.total_cmp(&b.1)) else {
         return Some(format!("Cost {what}: explicit {e:.2} CPU s; no implicit variant gives the same answer."));
     };
+    if e.min(i) < SHORT {
+        return Some(format!("Cost {what}: explicit {e:.3} CPU s, implicit {i:.3}: too short to compare."));
+    }
     let (winner, factor) = if i < e { (row.entry.variant.as_str(), e / i) } else { ("explicit", i / e) };
     Some(format!(
         "Cost {what}: explicit {e:.2} CPU s, the cheapest implicit variant with the same answer ({}) {i:.2}: the better choice on this case is {winner}, by a factor of {factor:.1}.",
