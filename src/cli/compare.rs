@@ -89,7 +89,7 @@ fn schemes(args: &Schemes) -> Result<(), Failure> {
 
 fn ending(study: &Study) -> Result<(), Failure> {
     if interrupt::flag().load(std::sync::atomic::Ordering::Relaxed) {
-        return Err(Failure::Interrupted("the runs were cut short; what they had is in the table".to_owned()));
+        return Err(Failure::Interrupted("runs that were cut short are left out of the table".to_owned()));
     }
     let failed: usize = study.rows.iter().map(|r| r.failed).sum();
     if failed > 0 { Err(Failure::Partly(format!("{failed} runs failed"))) } else { Ok(()) }

@@ -105,6 +105,11 @@ pub struct Limits<'a> {
 impl Limits<'_> {
     /// No limit.
     pub const NONE: Limits<'static> = Limits { interrupt: None, time_limit: None };
+
+    /// Whether an interrupt has come.
+    pub fn interrupted(&self) -> bool {
+        self.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed))
+    }
 }
 
 /// Steps between two looks at the clock, the interrupt and the state of rest.
@@ -133,7 +138,7 @@ pub fn run(case: &Case, scene: &mut Scene, limits: Limits, observer: &mut dyn Ob
             break (status, None);
         }
         if sim.work.steps.is_multiple_of(LOOK) {
-            if limits.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
+            if limits.interrupted() {
                 break (Status::Interrupted, None);
             }
             state.note_rest(sim);

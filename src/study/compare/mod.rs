@@ -27,7 +27,7 @@ use serde::Serialize;
 use crate::{
     case::{self, Case},
     output::record::{Build, SCHEMA_VERSION},
-    run::Limits,
+    run::{Limits, Status},
     scene::{self, Scene},
 };
 
@@ -85,7 +85,9 @@ pub fn compare(plan: &Plan, case: &Case, progress: &(dyn Fn(usize, usize) + Sync
         .map(|&(k, entry)| {
             let result = one(plan, entry, full, k);
             progress(done.fetch_add(1, Ordering::Relaxed) + 1, jobs.len());
-            result.map_err(|e| problem.lock().map(|mut p| p.get_or_insert(told(entry, &e)).len())).ok()
+            let run = result.map_err(|e| problem.lock().map(|mut p| p.get_or_insert(told(entry, &e)).len())).ok();
+            // a run that was cut short says nothing
+            run.filter(|r| r.status != Status::Interrupted)
         })
         .collect();
     if let Ok(Some(text)) = problem.into_inner() {
@@ -146,7 +148,8 @@ fn one(plan: &Plan, entry: &Entry, full: Option<f64>, realisation: u64) -> Resul
     if let Some(full) = full.filter(|_| entry.onset) {
         let case = onset::raised(&case, full);
         let mut scene = scene::build(&case, plan.max_memory).map_err(|e| e.to_string())?;
-        run.onset = Some(onset::find(&case, &mut scene, full, plan.limits));
+        let found = onset::find(&case, &mut scene, full, plan.limits);
+        run.onset = (!plan.limits.interrupted()).then_some(found);
     }
     Ok(run)
 }

@@ -1,8 +1,6 @@
 //! The onset of failure: the gravity at which the crest has moved by a quarter of a metre, when
 //! gravity is raised slowly.
 
-use std::sync::atomic::Ordering;
-
 use serde::Serialize;
 
 use super::clock;
@@ -103,8 +101,7 @@ fn climb(sim: &mut Simulation, id: usize, end: f64, limits: Limits, track: &mut 
         next = sim.time + LOOK;
         sim.body.displacements(&mut displacement);
         track.push((sim.time, displacement.get(id).map_or(0.0, |u| u[0])));
-        let interrupted = limits.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed));
-        if interrupted || track.last().is_some_and(|(_, u)| *u > DISPLACEMENT) {
+        if limits.interrupted() || track.last().is_some_and(|(_, u)| *u > DISPLACEMENT) {
             break;
         }
     }
