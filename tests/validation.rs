@@ -55,6 +55,31 @@ fn cut_cell() {
 }
 
 #[test]
+fn newton() {
+    holds("newton");
+}
+
+#[test]
+fn incompressible() {
+    holds("incompressible");
+}
+
+#[test]
+fn cook() {
+    holds("cook");
+}
+
+#[test]
+fn prandtl() {
+    holds("prandtl");
+}
+
+#[test]
+fn undrained_slopes() {
+    holds("undrained-slopes");
+}
+
+#[test]
 fn no_problem_is_left_out_here() {
     let tested = include_str!("validation.rs");
     for problem in problems() {

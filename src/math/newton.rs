@@ -30,6 +30,8 @@ const BLOWN_UP: f64 = 1e6;
 pub struct Convergence {
     tolerances: Tolerances,
     history: Vec<f64>,
+    /// Largest scale of the step.
+    scale: f64,
     best: (usize, f64),
 }
 
@@ -37,12 +39,13 @@ impl Convergence {
     /// For steps with these tolerances.
     pub fn new(tolerances: Tolerances) -> Self {
         let history = Vec::with_capacity(tolerances.max_iterations as usize + 2);
-        Convergence { tolerances, history, best: (0, f64::INFINITY) }
+        Convergence { tolerances, history, scale: 0.0, best: (0, f64::INFINITY) }
     }
 
     /// Forgets the last step.
     pub fn begin(&mut self) {
         self.history.clear();
+        self.scale = 0.0;
         self.best = (0, f64::INFINITY);
     }
 
@@ -50,6 +53,7 @@ impl Convergence {
     pub fn note(&mut self, residual: f64, scale: f64) -> Verdict {
         let k = self.history.len();
         self.history.push(residual);
+        self.scale = self.scale.max(scale);
         if residual <= (self.tolerances.relative * scale).max(self.tolerances.absolute) {
             return Verdict::Converged;
         }
@@ -83,13 +87,13 @@ impl Convergence {
     }
 
     /// Order of convergence ln(r2 / r1) / ln(r1 / r0) from the last three residuals above
-    /// `floor`; `None` with fewer.
+    /// `floor` x scale; `None` with fewer.
     pub fn order(&self, floor: f64) -> Option<f64> {
-        observed_order(&self.history, floor)
+        observed_order(&self.history, floor * self.scale)
     }
 }
 
-/// As [`Convergence::order`], for any sequence.
+/// As [`Convergence::order`], for any sequence and `floor` itself.
 pub fn observed_order(residuals: &[f64], floor: f64) -> Option<f64> {
     let above = residuals.iter().take_while(|r| **r > floor).count();
     let [a, b, c] = residuals.get(above.checked_sub(3)?..above)? else { return None };

@@ -555,7 +555,7 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
     }
 }
 
-/// Residual above which convergence is judged for its order.
+/// Residual over the scale of the forces above which convergence is judged for its order.
 const ORDER_FLOOR: f64 = 1e-12;
 
 /// out / mass; 0 where there is no mass.

@@ -2,6 +2,7 @@
 
 use super::{
     Effort, Files, Problem, Report,
+    limit::last_equilibrium,
     measure::{bisect, mean},
     reference::Reference,
     setup::{Run, keys},
@@ -30,9 +31,13 @@ impl Problem for Incline {
         };
         for &h in cells {
             for factor in [1.5, 2.0] {
-                self.slide(h, factor, reference, report)?;
+                self.slide(Scheme::Explicit, h, factor, reference, report)?;
+                for inertia in ["newmark", "backward_euler"] {
+                    self.slide(Scheme::Implicit(inertia), h, factor, reference, report)?;
+                }
             }
             self.threshold(h, reference, report)?;
+            self.still_threshold(h, reference, report)?;
             self.rest(h, reference, report)?;
         }
         Ok(())
@@ -40,23 +45,30 @@ impl Problem for Incline {
 }
 
 impl Incline {
-    fn tilted(&self, h: f64, tangent: f64) -> Result<Block, String> {
+    fn tilted(&self, scheme: Scheme, h: f64, tangent: f64) -> Result<Block, String> {
         let tilt = tangent.atan().to_degrees();
-        let run = Run::new(
-            self.files().case,
-            &keys(&[("grid.cell", format!("{h:?}")), ("gravity.tilt", format!("{tilt:?}"))]),
-        )?;
-        Block::new(run)
+        let mut set = keys(&[("grid.cell", format!("{h:?}")), ("gravity.tilt", format!("{tilt:?}"))]);
+        if let Scheme::Implicit(regime) = scheme {
+            set.extend(keys(&[("solver.scheme", "implicit".into()), ("implicit.regime", regime.into())]));
+        }
+        Block::new(Run::new(self.files().case, &set)?)
     }
 
-    fn slide(&self, h: f64, factor: f64, reference: &Reference, report: &mut Report) -> Result<(), String> {
-        let mut block = self.tilted(h, 0.4 * factor)?;
+    fn slide(
+        &self,
+        scheme: Scheme,
+        h: f64,
+        factor: f64,
+        reference: &Reference,
+        report: &mut Report,
+    ) -> Result<(), String> {
+        let mut block = self.tilted(scheme, h, 0.4 * factor)?;
         block.run.until(block.full_pull + reference.given("first")?, |_| ())?;
         let (t, v) = (block.run.sim.time, block.velocity());
         block.run.until(block.full_pull + reference.given("last")?, |_| ())?;
         let ours = (block.velocity() - v) / (block.run.sim.time - t);
         report.count(&block.run.sim);
-        let name = format!("tan t = {factor} mu, h = {h} m");
+        let name = format!("tan t = {factor} mu, h = {h} m{}", scheme.name());
         report.row_of(reference, "acceleration", &name, Some(block.sliding_acceleration()), ours)?;
         report.row_of(reference, "gap", &name, None, block.way()[1] / h)
     }
@@ -79,12 +91,41 @@ impl Incline {
         let watch = reference.given("watch")?;
         let mu = reference.exact("threshold")?;
         let tangent = bisect(0.97 * mu, 1.03 * mu, 5e-4, |tangent| {
-            let mut block = self.tilted(h, tangent)?;
+            let mut block = self.tilted(Scheme::Explicit, h, tangent)?;
             block.run.until(block.full_pull + watch, |_| ())?;
             report.count(&block.run.sim);
             Ok(!block.has_slid())
         })?;
         report.row_of(reference, "threshold", &format!("h = {h} m"), None, tangent)
+    }
+
+    /// Without inertia: the pull grows on an incline that is a little too steep, in steps that are halved until
+    /// none finds equilibrium.
+    fn still_threshold(&self, h: f64, reference: &Reference, report: &mut Report) -> Result<(), String> {
+        let tangent = 1.05 * reference.exact("still_threshold")?;
+        let mut block = self.tilted(Scheme::Implicit("quasi_static"), h, tangent)?;
+        let bracket = last_equilibrium(&mut block.run)?;
+        report.count(&block.run.sim);
+        let share = |time: f64| 1.0 - (block.full_pull - time) / block.pull_time;
+        let steepest = tangent * 0.5 * (share(bracket.holds) + share(bracket.fails));
+        report.row_of(reference, "still_threshold", &format!("h = {h} m"), None, steepest)
+    }
+}
+
+/// How time is stepped.
+#[derive(Clone, Copy)]
+enum Scheme {
+    Explicit,
+    /// With a regime.
+    Implicit(&'static str),
+}
+
+impl Scheme {
+    fn name(self) -> String {
+        match self {
+            Scheme::Explicit => String::new(),
+            Scheme::Implicit(regime) => format!(", {regime}"),
+        }
     }
 }
 
@@ -92,6 +133,8 @@ struct Block {
     run: Run,
     /// Time from which gravity acts in full (s).
     full_pull: f64,
+    /// Time over which the part along the plane grows (s).
+    pull_time: f64,
     mu: f64,
 }
 
@@ -104,7 +147,8 @@ impl Block {
         let Side::Friction { coefficient, .. } = run.case.boundary.base else {
             return Err("the incline needs a frictional base".into());
         };
-        Ok(Block { full_pull: ramp_time + settle_time + tangential_time, mu: coefficient, run })
+        let full_pull = ramp_time + settle_time + tangential_time;
+        Ok(Block { full_pull, pull_time: tangential_time, mu: coefficient, run })
     }
 
     /// Of the centre of mass, along the plane (m/s).

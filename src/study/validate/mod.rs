@@ -4,19 +4,25 @@
 //! `case.toml` (what is run) and `reference.toml` (the answers with source, tolerance and the
 //! reason for the tolerance). Both files are embedded, so the installed program needs no folder.
 
+mod cook;
 mod courant;
 mod cut_cell;
 mod in_situ;
 mod incline;
+mod incompressible;
 mod light_node;
+mod limit;
 mod measure;
+mod newton;
 mod operator;
 mod patch;
+mod prandtl;
 mod reference;
 mod report;
 mod rigid;
 mod setup;
 mod two_discs;
+mod undrained_slopes;
 mod vibrating_bar;
 
 pub use report::{Report, Row, table};
@@ -88,6 +94,11 @@ pub fn problems() -> &'static [&'static dyn Problem] {
         &in_situ::InSitu,
         &light_node::LightNode,
         &cut_cell::CutCell,
+        &newton::Newton,
+        &incompressible::Incompressible,
+        &cook::Cook,
+        &prandtl::Prandtl,
+        &undrained_slopes::UndrainedSlopes,
     ]
 }
 

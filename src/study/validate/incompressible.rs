@@ -1,0 +1,104 @@
+//! A nearly incompressible block under its own weight: how far plain cells stiffen, and how the
+//! pressure jumps from point to point.
+
+use std::collections::BTreeMap;
+
+use super::{
+    Effort, Files, Problem, Report,
+    measure::mean,
+    reference::Reference,
+    setup::{Run, keys},
+};
+use crate::snapshot::Snapshot;
+
+/// See the module.
+pub struct Incompressible;
+
+impl Problem for Incompressible {
+    fn name(&self) -> &'static str {
+        "incompressible"
+    }
+
+    fn files(&self) -> Files {
+        Files {
+            case: include_str!("../../../validation/incompressible/case.toml"),
+            reference: include_str!("../../../validation/incompressible/reference.toml"),
+        }
+    }
+
+    fn fill(&self, effort: Effort, reference: &Reference, report: &mut Report) -> Result<(), String> {
+        let (h, fine) = match effort {
+            Effort::Short => (0.5, 0.25),
+            Effort::Full => (0.5, 0.125),
+        };
+        for ratio in [0.3, 0.499] {
+            let best = self.block(Setup { ratio, h: fine, locking: "b_bar" }, report)?;
+            for locking in ["b_bar", "none"] {
+                let setup = Setup { ratio, h, locking };
+                let ours = self.block(setup, report)?;
+                let cured = locking == "b_bar";
+                let name = setup.name();
+                let settlement = if cured { "settlement" } else { "locked" };
+                report.row_of(reference, settlement, &name, None, ours.settlement / best.settlement)?;
+                report.row_of(reference, if cured { "ripple" } else { "noise" }, &name, None, ours.ripple)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Setup {
+    /// Poisson's.
+    ratio: f64,
+    h: f64,
+    locking: &'static str,
+}
+
+impl Setup {
+    fn name(self) -> String {
+        format!("nu = {}, h = {} m, {}", self.ratio, self.h, self.locking)
+    }
+}
+
+/// What is read.
+struct Reading {
+    /// Mean settlement (m).
+    settlement: f64,
+    /// Jump of the pressure within cells, root mean square, over the mean pressure.
+    ripple: f64,
+}
+
+impl Incompressible {
+    fn block(&self, setup: Setup, report: &mut Report) -> Result<Reading, String> {
+        let set = keys(&[
+            ("grid.cell", format!("{:?}", setup.h)),
+            ("material.soil.poisson_ratio", format!("{:?}", setup.ratio)),
+            ("solver.locking", setup.locking.into()),
+        ]);
+        let mut run = Run::new(self.files().case, &set)?;
+        run.until(run.case.end.time, |_| ())?;
+        report.count(&run.sim);
+        let s = run.sim.snapshot();
+        Ok(Reading { settlement: mean((0..s.len()).map(|i| -s.displacement(i)[1])), ripple: ripple(&s, setup.h) })
+    }
+}
+
+/// Pressure of a point, p = -(sigma_xx + sigma_yy + sigma_zz) / 3 (kPa).
+fn pressure(s: &Snapshot, i: usize) -> f64 {
+    -(s.stress[i].xx + s.stress[i].yy + s.stress[i].zz) / 3.0
+}
+
+/// Root mean square of the pressure about its mean in each cell, over the mean pressure.
+fn ripple(s: &Snapshot, h: f64) -> f64 {
+    let mut cells: BTreeMap<[i64; 2], Vec<f64>> = BTreeMap::new();
+    for i in 0..s.len() {
+        let cell = s.reference[i].map(|x| (x / h).floor() as i64);
+        cells.entry(cell).or_default().push(pressure(s, i));
+    }
+    let apart = cells.values().flat_map(|points| {
+        let middle = mean(points.iter().copied());
+        points.iter().map(move |p| (p - middle).powi(2))
+    });
+    mean(apart).sqrt() / mean((0..s.len()).map(|i| pressure(s, i)))
+}

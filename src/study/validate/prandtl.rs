@@ -1,0 +1,119 @@
+//! Prandtl's strip footing on weightless, perfectly plastic clay.
+//!
+//! The force on a footing that is driven down is the rate of its work: F = dW / dw, with the work that the drive
+//! books from the reactions of its nodes. It needs no stress and no integration over the surface.
+//!
+//! **Width.** A node stands for half a cell to either side: 2 n + 1 nodes, h apart, carry what
+//! presses on B + h. Between the last driven node and the next one the velocity falls linearly, and
+//! half of that cell goes along. The pressure is F / (B + h); F / B is printed beside it. Both tend to the same limit.
+
+use super::{
+    Effort, Files, Problem, Report,
+    reference::Reference,
+    setup::{Run, keys},
+};
+
+/// See the module.
+pub struct Prandtl;
+
+/// Half the width of the footing (m).
+const HALF: f64 = 1.0;
+
+impl Problem for Prandtl {
+    fn name(&self) -> &'static str {
+        "prandtl"
+    }
+
+    fn files(&self) -> Files {
+        Files {
+            case: include_str!("../../../validation/prandtl/case.toml"),
+            reference: include_str!("../../../validation/prandtl/reference.toml"),
+        }
+    }
+
+    fn fill(&self, effort: Effort, reference: &Reference, report: &mut Report) -> Result<(), String> {
+        let sizes: &[u32] = match effort {
+            Effort::Short => &[8, 16],
+            Effort::Full => &[8, 16, 32],
+        };
+        for rough in [false, true] {
+            for (k, &cells) in sizes.iter().enumerate() {
+                let finest = k + 1 == sizes.len();
+                self.footing(Setup { cells, rough, cure: true }, finest, reference, report)?;
+            }
+        }
+        let locked = if effort == Effort::Full { sizes } else { &sizes[..1] };
+        for &cells in locked {
+            self.footing(Setup { cells, rough: false, cure: false }, false, reference, report)?;
+        }
+        Ok(())
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Setup {
+    /// B / h.
+    cells: u32,
+    rough: bool,
+    cure: bool,
+}
+
+impl Setup {
+    fn h(self) -> f64 {
+        2.0 * HALF / f64::from(self.cells)
+    }
+
+    fn name(self) -> String {
+        let surface = if self.rough { "rough" } else { "smooth" };
+        format!("{surface}, B/h = {}", self.cells)
+    }
+
+    fn keys(self) -> Vec<String> {
+        let locking = if self.cure { "b_bar" } else { "none" };
+        let mut set = keys(&[("grid.cell", format!("{:?}", self.h())), ("solver.locking", locking.into())]);
+        if self.rough {
+            set.extend(keys(&[("drive.footing.velocity_x", "0.0".into())]));
+        }
+        set
+    }
+}
+
+impl Prandtl {
+    fn footing(&self, setup: Setup, finest: bool, reference: &Reference, report: &mut Report) -> Result<(), String> {
+        let mut run = Run::new(self.files().case, &setup.keys())?;
+        let speed = run.case.drive.first().and_then(|d| d.velocity_y).ok_or("there is no footing")?;
+        let strength = reference.given("cohesion")?;
+        let forces = forces(&mut run, -speed)?;
+        report.count(&run.sim);
+        let at = |share: f64| forces.get((share * forces.len() as f64) as usize - 1).copied().unwrap_or(f64::NAN);
+        let (limit, before) = (at(1.0), at(0.8));
+        let name = setup.name();
+        let pressure = |width: f64| limit / (strength * width);
+        let key = match (setup.cure, finest) {
+            (true, true) => "pressure",
+            (true, false) => "coarse",
+            (false, _) => "locked",
+        };
+        report.row_of(reference, key, &name, None, pressure(HALF + 0.5 * setup.h()))?;
+        report.row_of(reference, "nominal", &format!("{name}{}", cured(setup)), None, pressure(HALF))?;
+        if setup.cure {
+            report.row_of(reference, "plateau", &name, None, limit / before - 1.0)?;
+        }
+        Ok(())
+    }
+}
+
+fn cured(setup: Setup) -> &'static str {
+    if setup.cure { "" } else { ", no cure" }
+}
+
+/// Force on half the footing after each step (kN/m).
+fn forces(run: &mut Run, speed: f64) -> Result<Vec<f64>, String> {
+    let (mut forces, mut before) = (Vec::new(), 0.0);
+    run.until(run.case.end.time, |sim| {
+        let work = sim.books().effects.external;
+        forces.push((work - before) / (speed * sim.dt));
+        before = work;
+    })?;
+    Ok(forces)
+}
