@@ -81,61 +81,81 @@ fn scheme(name: &str, dt: f64) -> Vec<String> {
             format!("implicit.time_step={dt}"),
             format!("implicit.min_time_step={dt}"),
             "implicit.pic_rate=0.0".to_owned(),
-            "implicit.residual=1e-12".to_owned(),
         ],
     }
 }
 
-/// Observed order of three values, at steps that are halved twice, and their limit for that `order`.
-fn order(v: [f64; 3], order: f64) -> (f64, f64) {
-    let observed = ((v[0] - v[1]) / (v[1] - v[2])).log2();
-    (observed, v[2] + (v[2] - v[1]) / (2f64.powf(order) - 1.0))
+/// Observed order of three values, at steps that are halved twice.
+fn order(v: [f64; 3]) -> f64 {
+    ((v[0] - v[1]) / (v[1] - v[2])).log2()
 }
 
-/// A scheme with its order in dt: the state of symplectic Euler, which the explicit scheme is, is
-/// of first order (its frequency of second).
+/// Their limit for an error of dt and dt^2 (`order` 1), or of dt^2 alone (2).
+fn limit(v: [f64; 3], order: f64) -> f64 {
+    if order == 1.0 { (v[0] - 6.0 * v[1] + 8.0 * v[2]) / 3.0 } else { v[2] + (v[2] - v[1]) / 3.0 }
+}
+
+/// A scheme with its order in dt: symplectic Euler, which the explicit scheme is, has place and
+/// velocity half a step apart, and its state is of first order (its frequency of second).
 const SCHEMES: [(&str, f64); 4] = [("explicit", 1.0), ("backward_euler", 1.0), ("newmark", 2.0), ("hht", 2.0)];
 
-/// Orders in dt of a quantity, and that all schemes have one limit: to a hundredth of the largest change
-/// from the first step to the limit.
-fn same_limit(steps: [f64; 3], value: impl Fn(&str, f64) -> f64) {
+/// Orders in dt of a quantity from `first(scheme)` on, and that all schemes have one limit: to a
+/// hundredth of what the first steps of the others are away from it.
+///
+/// HHT carries accelerations on the points, so that they pass M^-1 Mc once more than the forces do: at a given h its
+/// limit is `apart` (relative) from that of the others, which is of second order in h.
+fn same_limit(first: impl Fn(&str) -> f64, apart: f64, value: impl Fn(&str, f64) -> f64) {
     let mut limits = Vec::new();
     for (name, expected) in SCHEMES {
-        let v = steps.map(|dt| value(name, dt));
-        let (observed, limit) = order(v, expected);
+        let v = [1.0, 0.5, 0.25].map(|part| value(name, part * first(name)));
+        let (observed, limit) = (order(v), limit(v, expected));
         println!("{name}: {v:?}, order {observed:.3}, limit {limit:.9e}");
         // the next term is a share of dt of the leading one
         assert!((observed - expected).abs() < 0.15, "{name}: order {observed}");
         limits.push((limit, (v[0] - limit).abs()));
     }
     let widest = limits.iter().map(|l| l.1).fold(0.0, f64::max);
-    for l in &limits {
-        assert!((l.0 - limits[2].0).abs() < 0.01 * widest, "{limits:?}");
+    for (k, (limit, _)) in limits.iter().enumerate() {
+        let allowed = if SCHEMES[k].0 == "hht" { apart * limit.abs() } else { 0.01 * widest };
+        assert!((limit - limits[2].0).abs() < allowed, "{}: {limits:?}", SCHEMES[k].0);
     }
 }
 
-/// Small motion, so that no point crosses a face and the strain is linear.
-const SMALL: &str = "region.bar.wave.amplitude=[1e-5, 0.0]";
+/// Small motion, so that no point crosses a face; large enough for strains well above rounding.
+const SMALL: &str = "region.bar.wave.amplitude=[1e-3, 0.0]";
 
 #[test]
 fn a_vibrating_bar_has_the_order_of_its_scheme_in_time() {
-    same_limit([0.05, 0.025, 0.0125], |name, dt| {
+    let first = |_: &str| 0.05;
+    // omega errs by at most 3 (kh)^2 / 32 more, and v = cos(omega t) by t tan(omega t) times that
+    let apart = 3.0 / 32.0 * (PI / 50.0f64).powi(2) * 0.1 * 2.0 * PI * 3.25 * (0.1 * 2.0 * PI * 3.25).tan().abs();
+    same_limit(first, apart, |name, dt| {
         let mut keys = scheme(name, dt);
         keys.extend(owned(&["explicit.pic_rate=0.0", SMALL]));
         let mut sim = simulation(BAR, &keys);
         until(&mut sim, 3.25, |_| ());
-        way(&sim, 0)
+        sim.body.momentum()[0]
     });
 }
 
 #[test]
 fn a_beam_has_the_order_of_its_scheme_in_time() {
-    same_limit([4e-4, 2e-4, 1e-4], |name, dt| {
+    // Newmark's second order shows down to the damping by FLIP, dt omega^2 (1 - a) / 4 with a the eigenvalue of
+    // M^-1 Mc: what goes to the points and comes back is smoothed by that. It is of second order in h.
+    // The slowest mode of the beam has a period of 0.22 s; the fastest wave crosses a cell in 3e-4 s
+    let first = |name: &str| match name {
+        "explicit" => 2e-4,
+        "backward_euler" => 2e-3,
+        _ => 4e-3,
+    };
+    // as for the bar, with kh = 1.875 h / L and omega t = 3.4
+    let apart = 3.0 / 32.0 * (1.875f64 * 0.25 / 5.0).powi(2) * 3.4;
+    same_limit(first, apart, |name, dt| {
         let mut keys = owned(&BEAM);
         keys.extend(scheme(name, dt));
-        keys.extend(owned(&["gravity.ramp_time=0.02", "grid.cell=0.5"]));
+        keys.push("gravity.ramp_time=0.08".to_owned());
         let mut sim = simulation(BLOCK, &keys);
-        until(&mut sim, 0.03, |_| ());
+        until(&mut sim, 0.12, |_| ());
         way(&sim, 1)
     });
 }
@@ -176,7 +196,7 @@ fn the_frequency_of_a_bar_is_of_second_order_in_h_with_both_schemes() {
 /// Mean settlement of the column without inertia (m).
 fn column(h: f64) -> f64 {
     let mut keys = scheme("quasi_static", 1.0);
-    keys.extend([format!("grid.cell={h:?}"), "material.soil.unit_weight=1e-3".to_owned()]);
+    keys.extend([format!("grid.cell={h:?}"), "solver.kinematics=small".to_owned()]);
     let mut sim = simulation(BLOCK, &keys);
     until(&mut sim, 1.0, |_| ());
     -way(&sim, 1)
@@ -184,9 +204,9 @@ fn column(h: f64) -> f64 {
 
 #[test]
 fn the_settlement_of_a_column_is_of_second_order_in_h() {
-    // gamma H^2 / 3 M, M = E (1 - nu) / ((1 + nu) (1 - 2 nu)); strains of 1e-8 are small
+    // gamma H^2 / 3 M, M = E (1 - nu) / ((1 + nu) (1 - 2 nu))
     let modulus = 1e6 * 0.8 / (1.2 * 0.6);
-    let exact = 1e-3 * 64.0 / (3.0 * modulus);
+    let exact = 20.0 * 64.0 / (3.0 * modulus);
     let error = [1.0, 0.5, 0.25].map(|h| column(h) / exact - 1.0);
     let slope = 0.5 * (error[0] / error[2]).log2();
     println!("{error:?}, order {slope:.4}");
@@ -218,16 +238,16 @@ fn a_beam_bends_with_the_order_of_its_cells() {
     let deflection = |h: f64| {
         let mut keys = owned(&BEAM);
         keys.extend(scheme("quasi_static", 1.0));
-        keys.extend([format!("grid.cell={h:?}"), "material.soil.unit_weight=1e-3".to_owned()]);
+        keys.extend([format!("grid.cell={h:?}"), "solver.kinematics=small".to_owned()]);
         let mut sim = simulation(BLOCK, &keys);
         until(&mut sim, 1.0, |_| ());
         -way(&sim, 1)
     };
     let v = [0.25, 0.125, 0.0625].map(deflection);
-    let (observed, limit) = order(v, 2.0);
+    let (observed, limit) = (order(v), limit(v, 2.0));
     // mean of an Euler beam under its weight, w L^4 / 20 E' I, and of its shear, w L^2 / 3 (5/6) G A; plane strain
     let (l, g) = (5.0f64, 1e6 / 2.4);
-    let beam = 1e-3 * l.powi(4) / 20.0 / (1e6 / 0.96 / 12.0) + 1e-3 * l.powi(2) / 3.0 / (5.0 / 6.0 * g);
+    let beam = 20.0 * l.powi(4) / 20.0 / (1e6 / 0.96 / 12.0) + 20.0 * l.powi(2) / 3.0 / (5.0 / 6.0 * g);
     println!("{v:?}, order {observed:.3}, limit {limit:.6e}, beam theory {beam:.6e}");
     // 2 for the bending, less at the corners of the fixed end, where the stress is singular
     assert!(observed > 1.6 && observed < 2.15, "{v:?}");

@@ -42,7 +42,10 @@ impl Problem for Cook {
             self.panel(Setup { h, locking: "none", ..Setup::CURED }, "locked", reference, report)?;
         }
         for cut in ["inside", "full"] {
-            self.panel(Setup { h: 1.0, cut, ..Setup::CURED }, "cut", reference, report)?;
+            self.panel(Setup { cut, ..Setup::CURED }, "cut", reference, report)?;
+        }
+        for points in [2, 4] {
+            self.panel(Setup { points, ..Setup::CURED }, "cut", reference, report)?;
         }
         Ok(())
     }

@@ -104,7 +104,7 @@ impl Incline {
     fn still_threshold(&self, h: f64, reference: &Reference, report: &mut Report) -> Result<(), String> {
         let tangent = 1.05 * reference.exact("still_threshold")?;
         let mut block = self.tilted(Scheme::Implicit("quasi_static"), h, tangent)?;
-        let bracket = last_equilibrium(&mut block.run)?;
+        let bracket = last_equilibrium(&mut block.run)?.ok_or("a block that should slide is in equilibrium")?;
         report.count(&block.run.sim);
         let share = |time: f64| 1.0 - (block.full_pull - time) / block.pull_time;
         let steepest = tangent * 0.5 * (share(bracket.holds) + share(bracket.fails));

@@ -23,19 +23,19 @@ impl Bracket {
     }
 }
 
-/// Steps until there is no equilibrium.
+/// Steps until there is no equilibrium; `None` where there is, up to the end.
 ///
 /// # Errors
-/// Where there is equilibrium up to the end, or where a run ends otherwise than by the loss of it.
-pub(super) fn last_equilibrium(run: &mut Run) -> Result<Bracket, String> {
+/// Where a run ends otherwise than by the loss of equilibrium.
+pub(super) fn last_equilibrium(run: &mut Run) -> Result<Option<Bracket>, String> {
     let end = run.case.end.time;
     while run.sim.time < end * (1.0 - 1e-12) {
         if let Err(fault) = run.sim.step(end - run.sim.time) {
             let step = lost_balance(&fault).ok_or_else(|| fault.to_string())?;
-            return Ok(Bracket { holds: run.sim.time, fails: run.sim.time + step });
+            return Ok(Some(Bracket { holds: run.sim.time, fails: run.sim.time + step }));
         }
     }
-    Err(format!("there is equilibrium up to the end, {end} s"))
+    Ok(None)
 }
 
 /// Length of the step (s) in which equilibrium was lost, if that is the fault.

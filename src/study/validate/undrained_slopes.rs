@@ -37,6 +37,7 @@ impl Problem for UndrainedSlopes {
             }
         }
         self.cut_cells(reference, report)?;
+        self.locked(reference, report)?;
         self.limit_point(reference, report)
     }
 }
@@ -130,18 +131,27 @@ impl UndrainedSlopes {
         let mut run = Run::new(self.files().case, &set)?;
         let bracket = last_equilibrium(&mut run)?;
         report.count(&run.sim);
-        Ok(bracket)
+        bracket.ok_or_else(|| format!("{} stands at gamma H / cu = {FULL}", slope.name(rows)))
     }
 
-    /// What the cells along the face do.
+    /// What the cells along the face do, and other shape functions.
     fn cut_cells(&self, reference: &Reference, report: &mut Report) -> Result<(), String> {
-        for rule in ["inside", "full"] {
-            let more = keys(&[("points.cut_cells", rule.into())]);
-            let bracket = self.failure(SLOPES[0], 10, &more, report)?;
-            let name = format!("{}, cut cells {rule}", SLOPES[0].name(10));
+        for rule in ["points.cut_cells=inside", "points.cut_cells=full", "solver.shape=gimp"] {
+            let bracket = self.failure(SLOPES[0], 10, &[rule.to_owned(), "points.layout=even".to_owned()], report)?;
+            let name = format!("{}, {rule}", SLOPES[0].name(10));
             report.row_of(reference, "cut", &name, None, FULL * bracket.middle())?;
         }
         Ok(())
+    }
+
+    /// Plain cells do not fail where soil does.
+    fn locked(&self, reference: &Reference, report: &mut Report) -> Result<(), String> {
+        let mut set = SLOPES[0].keys(10);
+        set.push("solver.locking=none".to_owned());
+        let mut run = Run::new(self.files().case, &set)?;
+        let stands = last_equilibrium(&mut run)?.map_or(run.sim.time, Bracket::middle);
+        report.count(&run.sim);
+        report.row_of(reference, "locked", &SLOPES[0].name(10), None, FULL * stands)
     }
 
     /// The bracket with more iterations, and with shorter steps.
