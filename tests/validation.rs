@@ -80,6 +80,26 @@ fn undrained_slopes() {
 }
 
 #[test]
+fn column() {
+    holds("column");
+}
+
+#[test]
+fn cantilever() {
+    holds("cantilever");
+}
+
+#[test]
+fn block_collapse() {
+    holds("block-collapse");
+}
+
+#[test]
+fn hard_cases() {
+    holds("hard-cases");
+}
+
+#[test]
 fn no_problem_is_left_out_here() {
     let tested = include_str!("validation.rs");
     for problem in problems() {

@@ -4,9 +4,13 @@
 //! `case.toml` (what is run) and `reference.toml` (the answers with source, tolerance and the
 //! reason for the tolerance). Both files are embedded, so the installed program needs no folder.
 
+mod block_collapse;
+mod cantilever;
+mod column;
 mod cook;
 mod courant;
 mod cut_cell;
+mod hard_cases;
 mod in_situ;
 mod incline;
 mod incompressible;
@@ -99,6 +103,10 @@ pub fn problems() -> &'static [&'static dyn Problem] {
         &cook::Cook,
         &prandtl::Prandtl,
         &undrained_slopes::UndrainedSlopes,
+        &column::Column,
+        &cantilever::Cantilever,
+        &block_collapse::BlockCollapse,
+        &hard_cases::HardCases,
     ]
 }
 
