@@ -90,6 +90,8 @@ impl Cholesky {
         self.kind = None;
         let symbolic = self.symbolic.as_ref()?;
         let n = symbolic.nrows();
+        // a column with nothing below its diagonal leaves its entry as it finds it
+        self.subdiagonal.clear();
         self.subdiagonal.resize(n, 0.0);
         self.forward.resize(n, 0);
         self.inverse.resize(n, 0);

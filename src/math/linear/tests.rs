@@ -141,6 +141,22 @@ fn pivots_of_zero_are_no_obstacle() {
     assert!(off(&pattern, &values, &rhs, &solved.x) < 1e-14);
 }
 
+/// The blocks of two rows of one factor are not those of the next. Left in place they made wrong factors,
+/// and a panic where the next structure has a supernode's end in such a block.
+#[test]
+fn pivots_of_the_last_factor_are_forgotten() {
+    let pattern = grid(4, 3, 0);
+    let mut solver = solver(Unsymmetric::Auto);
+    let mut values = vec![0.0; pattern.len()];
+    let rhs = noise(3, pattern.dim());
+    map(&pattern, &mut values, |r, c, _| if r == c { 0.0 } else { 1.0 });
+    solve(&mut solver, &pattern, &values, true, &rhs).unwrap();
+    map(&pattern, &mut values, |r, c, _| if r == c { 2.0 - 4.0 * (r % 2) as f64 } else { 0.0 });
+    let solved = solve(&mut solver, &pattern, &values, true, &rhs).unwrap();
+    assert_eq!(solved.said.method, Method::Ldlt);
+    assert!(off(&pattern, &values, &rhs, &solved.x) < 1e-15);
+}
+
 #[test]
 fn a_singular_matrix_is_a_fault_with_its_residual() {
     let pattern = grid(5, 4, 1);
