@@ -1,12 +1,7 @@
 //! A cantilever with a dead load at its end, bent until it hangs.
 //!
 //! One run a grid: the load grows to alpha = P L^2 / EI = 10 and the tip is read on the way, against
-//! the inextensible elastica. The grid's error in bending, while points and nodes keep their places,
-//! is that of four-noded cells with points at 1/4 and 3/4, for h = d / n:
-//! ```text
-//! EI_h / EI = 1 - 1 / (4 n^2) + 3/4 G / E' / n^2
-//! ```
-//! (points sample y^2 too low; the shear that a bilinear cell cannot bend without adds to it).
+//! the inextensible elastica.
 
 use super::{
     Effort, Files, Problem, Report,
@@ -14,7 +9,7 @@ use super::{
     reference::Reference,
     setup::{Run, keys, rectangle},
 };
-use crate::snapshot::Snapshot;
+use crate::{case, snapshot::Snapshot};
 
 /// See the module.
 pub struct Cantilever;
@@ -29,6 +24,8 @@ struct Beam {
     slender: f64,
     /// Cells over the depth.
     cells: usize,
+    /// Points an axis and cell.
+    points: usize,
 }
 
 impl Problem for Cantilever {
@@ -49,6 +46,7 @@ impl Problem for Cantilever {
             Effort::Full => (&[2, 4, 8, 16], &[4, 8]),
         };
         self.refine(10.0, "v", thick, reference, report)?;
+        self.few_points(reference, report)?;
         self.refine(40.0, "slim", slim, reference, report)
     }
 }
@@ -63,52 +61,95 @@ impl Cantilever {
         reference: &Reference,
         report: &mut Report,
     ) -> Result<(), String> {
-        let mut tips: Vec<Vec<[f64; 2]>> = Vec::new();
+        let mut bent = Vec::new();
         for &cells in cells {
-            let beam = Beam { slender, cells };
+            let beam = Beam { slender, cells, points: 4 };
             let tip = self.bend(beam, reference, report)?;
-            for (&alpha, way) in ALPHAS.iter().zip(&tip) {
-                beam.rows(alpha, *way, key, reference, report)?;
-            }
-            tips.push(tip);
+            tip.rows(&beam.name(), reference, report)?;
+            bent.push(tip);
         }
-        let [.., coarse, fine] = tips.as_slice() else { return Ok(()) };
+        let [.., coarse, fine] = bent.as_slice() else { return Ok(()) };
         for (k, alpha) in ALPHAS.iter().enumerate() {
-            let both = coarse.get(k).zip(fine.get(k));
-            let change = both.map_or(f64::NAN, |(a, b)| b[1] / a[1] - 1.0);
-            report.row_of(reference, "change", &format!("L / d = {slender}, alpha = {alpha}"), None, change)?;
-        }
-        for (alpha, way) in ALPHAS.iter().zip(fine.iter().map(Some).chain(std::iter::repeat(None))) {
-            report.row(reference, &format!("{key}_{alpha}"), way.map_or(f64::NAN, |w| w[1]))?;
+            report.row(reference, &format!("{key}_{alpha}"), fine.down(k))?;
+            let setup = format!("L / d = {slender}, alpha = {alpha}");
+            report.row_of(reference, "change", &setup, None, fine.down(k) / coarse.down(k) - 1.0)?;
         }
         Ok(())
     }
 
-    /// The way of the tip over L at each load: back along the beam, and down. It ends early, with a
-    /// note, where the run does.
-    fn bend(&self, beam: Beam, reference: &Reference, report: &mut Report) -> Result<Vec<[f64; 2]>, String> {
+    /// What two points an axis and cell come to.
+    fn few_points(&self, reference: &Reference, report: &mut Report) -> Result<(), String> {
+        for cells in [4, 8] {
+            let beam = Beam { slender: 10.0, cells, points: 2 };
+            let tip = self.bend(beam, reference, report)?;
+            report.row_of(reference, "reached", &beam.name(), None, tip.share)?;
+            for (k, alpha) in ALPHAS.iter().enumerate().take(tip.ways.len()) {
+                let exact = reference.exact(&format!("v_{alpha}"))?;
+                report.row_of(
+                    reference,
+                    "few",
+                    &format!("{}, alpha = {alpha}", beam.name()),
+                    None,
+                    tip.down(k) / exact,
+                )?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Loads a beam as far as it goes; where that is not to the end, a note says why.
+    fn bend(&self, beam: Beam, reference: &Reference, report: &mut Report) -> Result<Tip, String> {
         let length = reference.given("length")?;
         let mut run = Run::new(self.files().case, &beam.keys(length)?)?;
-        let tip = beam.tip(&run.sim.snapshot(), length);
-        let mut ways = Vec::new();
+        let loaded = beam.loaded_points(&run.sim.snapshot(), length);
+        let mut tip = Tip::default();
         for alpha in ALPHAS {
             if let Err(why) = run.until(f64::from(alpha) / 10.0, |_| ()) {
                 report.note(format!("{}: {why}", beam.name()));
                 break;
             }
-            ways.push(beam.way(&run.sim.snapshot(), &tip, length));
+            tip.ways.push(beam.way(&run.sim.snapshot(), &loaded, length));
         }
         report.count(&run.sim);
         let work = &run.sim.work;
         let (steps, cut, newton) = (work.steps, work.rejected_steps, work.newton_iterations);
         report.note(format!("{}: {steps} steps, {cut} refused, {newton} iterations", beam.name()));
-        Ok(ways)
+        tip.share = run.sim.time.min(1.0);
+        Ok(tip)
+    }
+}
+
+/// Where the tip has gone.
+#[derive(Default)]
+struct Tip {
+    /// Its way over L at each of [`ALPHAS`] that was reached: back along the beam, and down.
+    ways: Vec<[f64; 2]>,
+    /// Share of the load that was reached.
+    share: f64,
+}
+
+impl Tip {
+    /// Deflection over L at load `k`; not a number where that was not reached.
+    fn down(&self, k: usize) -> f64 {
+        self.ways.get(k).map_or(f64::NAN, |way| way[1])
+    }
+
+    /// Beside the elastica.
+    fn rows(&self, name: &str, reference: &Reference, report: &mut Report) -> Result<(), String> {
+        report.row_of(reference, "reached", name, None, self.share)?;
+        for (alpha, way) in ALPHAS.iter().zip(&self.ways) {
+            let setup = format!("{name}, alpha = {alpha}");
+            let (u, v) = (reference.given(&format!("u_{alpha}"))?, reference.exact(&format!("v_{alpha}"))?);
+            report.row_of(reference, "coarse", &setup, None, way[1] / v)?;
+            report.row_of(reference, "shortening", &setup, None, way[0] / u)?;
+        }
+        Ok(())
     }
 }
 
 impl Beam {
     fn name(&self) -> String {
-        format!("L / d = {}, h = d/{}", self.slender, self.cells)
+        format!("L / d = {}, h = d/{}, {2} x {2} points", self.slender, self.cells, self.points)
     }
 
     fn depth(&self, length: f64) -> f64 {
@@ -119,12 +160,13 @@ impl Beam {
         self.depth(length) / self.cells as f64
     }
 
-    /// From the clamp to the loaded points (m).
+    /// From the clamp to the middle of the loaded points (m).
     fn arm(&self, length: f64) -> f64 {
         length - 0.25 * self.cell(length)
     }
 
-    /// Lower left and upper right corner of the box of the loaded points: the last cell's outer half.
+    /// Lower left and upper right corner of the box of the loaded points: half a cell at the end,
+    /// one cell high.
     fn loaded(&self, length: f64) -> [[f64; 2]; 2] {
         let (d, h) = (self.depth(length), self.cell(length));
         [[length - 0.5 * h, 0.5 * (d - h)], [length, 0.5 * (d + h)]]
@@ -132,21 +174,21 @@ impl Beam {
 
     fn keys(&self, length: f64) -> Result<Vec<String>, String> {
         let (d, h) = (self.depth(length), self.cell(length));
-        let (case, _) = crate::case::read("cantilever", Cantilever.files().case, &[]).map_err(|e| e.to_string())?;
+        let (case, _) = case::read("cantilever", Cantilever.files().case, &[]).map_err(|e| e.to_string())?;
         let elastic = case.material.get("beam").ok_or("there is no beam")?.elastic();
         let stiffness = elastic.young_modulus * d.powi(3) / 12.0 / (1.0 - elastic.poisson_ratio.powi(2));
         let force = 10.0 * stiffness / self.arm(length).powi(2);
         let [low, high] = self.loaded(length);
         Ok(keys(&[
             ("grid.cell", format!("{h:?}")),
+            ("points.per_axis", self.points.to_string()),
             ("region.beam.polygon", rectangle([0.0, 0.0], [length, d])),
             ("load.tip.box", format!("[{low:?}, {high:?}]")),
             ("load.tip.force", format!("[0.0, {:?}]", -force)),
         ]))
     }
 
-    /// The loaded points.
-    fn tip(&self, start: &Snapshot, length: f64) -> Vec<usize> {
+    fn loaded_points(&self, start: &Snapshot, length: f64) -> Vec<usize> {
         let [low, high] = self.loaded(length);
         let inside = |x: [f64; 2]| (0..2).all(|a| x[a] >= low[a] && x[a] <= high[a]);
         (0..start.len()).filter(|&i| inside(start.position[i])).collect()
@@ -154,19 +196,5 @@ impl Beam {
 
     fn way(&self, now: &Snapshot, tip: &[usize], length: f64) -> [f64; 2] {
         [0, 1].map(|axis| -mean(tip.iter().map(|&i| now.displacement(i)[axis])) / self.arm(length))
-    }
-
-    fn rows(
-        &self,
-        alpha: u32,
-        way: [f64; 2],
-        key: &str,
-        reference: &Reference,
-        report: &mut Report,
-    ) -> Result<(), String> {
-        let setup = format!("{}, alpha = {alpha}", self.name());
-        let (u, v) = (reference.given(&format!("u_{alpha}"))?, reference.exact(&format!("{key}_{alpha}"))?);
-        report.row_of(reference, "coarse", &setup, None, way[1] / v)?;
-        report.row_of(reference, "shortening", &setup, None, way[0] / u)
     }
 }

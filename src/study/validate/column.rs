@@ -70,19 +70,35 @@ impl Column {
         report.row(reference, "linear_order", order(&errors))
     }
 
-    /// One point a cell, on patches that are wide enough for its domain.
+    /// One point a cell: how far it comes, and with what error.
     fn one_point(&self, effort: Effort, reference: &Reference, report: &mut Report) -> Result<(), String> {
-        for shape in ["gimp", "gimp_wide"] {
-            for &rows in sizes(effort) {
-                let set = [("solver.shape", shape.to_owned()), ("points.per_axis", "1".to_owned())];
-                let name = format!("{shape}, {rows} rows");
-                match self.squeeze(rows, &set, reference, report) {
-                    Ok(found) => report.row_of(reference, "one_point", &name, None, found.stress)?,
-                    Err(why) => report.note(format!("one point a cell, {name}: {why}")),
+        let length = reference.given("length")?;
+        for &rows in sizes(effort) {
+            let name = format!("{rows} rows");
+            let mut run = self.build(rows, &[("points.per_axis", "1".to_owned())], length)?;
+            let end = run.until(run.case.end.time, |_| ());
+            report.count(&run.sim);
+            report.row_of(reference, "one_point_share", &name, None, run.sim.time / run.case.end.time)?;
+            match end {
+                Ok(()) => {
+                    report.row_of(reference, "one_point", &name, None, Squeezed::read(&run, length)?.stress)?;
                 }
+                Err(why) => report.note(format!("one point a cell, {name}: {why}")),
             }
         }
         Ok(())
+    }
+
+    fn build(&self, rows: usize, more: &[(&str, String)], length: f64) -> Result<Run, String> {
+        let h = length / rows as f64;
+        let width = 2.0 * h;
+        let mut set = keys(&[
+            ("grid.cell", format!("{h:?}")),
+            ("grid.size", format!("[{width:?}, {length:?}]")),
+            ("region.column.polygon", rectangle([0.0, 0.0], [width, length])),
+        ]);
+        set.extend(keys(more));
+        Run::new(self.files().case, &set)
     }
 
     fn squeeze(
@@ -93,15 +109,7 @@ impl Column {
         report: &mut Report,
     ) -> Result<Squeezed, String> {
         let length = reference.given("length")?;
-        let h = length / rows as f64;
-        let width = 3.0 * h;
-        let mut set = keys(&[
-            ("grid.cell", format!("{h:?}")),
-            ("grid.size", format!("[{width:?}, {length:?}]")),
-            ("region.column.polygon", rectangle([0.0, 0.0], [width, length])),
-        ]);
-        set.extend(keys(more));
-        let mut run = Run::new(self.files().case, &set)?;
+        let mut run = self.build(rows, more, length)?;
         run.until(run.case.end.time, |_| ())?;
         report.count(&run.sim);
         Squeezed::read(&run, length)
