@@ -41,6 +41,7 @@ impl Problem for Incompressible {
                 let settlement = if cured { "settlement" } else { "locked" };
                 report.row_of(reference, settlement, &name, None, ours.settlement / best.settlement)?;
                 report.row_of(reference, if cured { "ripple" } else { "noise" }, &name, None, ours.ripple)?;
+                report.row_of(reference, "board", &name, None, ours.board)?;
             }
         }
         Ok(())
@@ -67,6 +68,8 @@ struct Reading {
     settlement: f64,
     /// Jump of the pressure within cells, root mean square, over the mean pressure.
     ripple: f64,
+    /// Mean pressure of a cell less that of its four neighbours, rms, over the mean pressure.
+    board: f64,
 }
 
 impl Incompressible {
@@ -80,7 +83,12 @@ impl Incompressible {
         run.until(run.case.end.time, |_| ())?;
         report.count(&run.sim);
         let s = run.sim.snapshot();
-        Ok(Reading { settlement: mean((0..s.len()).map(|i| -s.displacement(i)[1])), ripple: ripple(&s, setup.h) })
+        let cells = cells(&s, setup.h);
+        Ok(Reading {
+            settlement: mean((0..s.len()).map(|i| -s.displacement(i)[1])),
+            ripple: ripple(&cells),
+            board: board(&cells),
+        })
     }
 }
 
@@ -89,16 +97,40 @@ fn pressure(s: &Snapshot, i: usize) -> f64 {
     -(s.stress[i].xx + s.stress[i].yy + s.stress[i].zz) / 3.0
 }
 
-/// Root mean square of the pressure about its mean in each cell, over the mean pressure.
-fn ripple(s: &Snapshot, h: f64) -> f64 {
-    let mut cells: BTreeMap<[i64; 2], Vec<f64>> = BTreeMap::new();
+/// Pressures of the points (kPa) by cell.
+type Cells = BTreeMap<[i64; 2], Vec<f64>>;
+
+fn cells(s: &Snapshot, h: f64) -> Cells {
+    let mut cells = Cells::new();
     for i in 0..s.len() {
         let cell = s.reference[i].map(|x| (x / h).floor() as i64);
         cells.entry(cell).or_default().push(pressure(s, i));
     }
-    let apart = cells.values().flat_map(|points| {
-        let middle = mean(points.iter().copied());
-        points.iter().map(move |p| (p - middle).powi(2))
+    cells
+}
+
+fn middle(points: &[f64]) -> f64 {
+    mean(points.iter().copied())
+}
+
+/// Mean of all points.
+fn overall(cells: &Cells) -> f64 {
+    mean(cells.values().flatten().copied())
+}
+
+/// Root mean square of the pressure about its mean in each cell, over the mean pressure.
+fn ripple(cells: &Cells) -> f64 {
+    let apart = cells.values().flat_map(|points| points.iter().map(|p| (p - middle(points)).powi(2)));
+    mean(apart).sqrt() / overall(cells)
+}
+
+/// Root mean square of what the pressure of a cell differs from the mean of its four neighbours,
+/// over the mean pressure: a chequerboard shows here.
+fn board(cells: &Cells) -> f64 {
+    let neighbours = |[x, y]: [i64; 2]| [[x - 1, y], [x + 1, y], [x, y - 1], [x, y + 1]];
+    let apart = cells.iter().filter_map(|(cell, points)| {
+        let near: Vec<f64> = neighbours(*cell).iter().filter_map(|c| cells.get(c)).map(|p| middle(p)).collect();
+        (near.len() == 4).then(|| (middle(points) - middle(&near)).powi(2))
     });
-    mean(apart).sqrt() / mean((0..s.len()).map(|i| pressure(s, i)))
+    mean(apart).sqrt() / overall(cells)
 }

@@ -38,9 +38,11 @@ pub(super) fn last_equilibrium(run: &mut Run) -> Result<Option<Bracket>, String>
     Ok(None)
 }
 
-/// Length of the step (s) in which equilibrium was lost, if that is the fault.
-fn lost_balance(fault: &Fault) -> Option<f64> {
-    let lost = matches!(fault.kind, FaultKind::NewtonDiverged | FaultKind::Singular | FaultKind::StepTooLong);
+/// Length of the step (s) in which equilibrium was lost, if that is the fault: iterations that lead
+/// nowhere, far away, or through a point turned inside out.
+pub(super) fn lost_balance(fault: &Fault) -> Option<f64> {
+    use FaultKind::{Inverted, NewtonDiverged, Singular, StepTooLong};
+    let lost = matches!(fault.kind, NewtonDiverged | Singular | StepTooLong | Inverted);
     let step = fault.values.iter().find(|(name, _)| name == "step_cut_to_s").map(|(_, step)| *step);
     step.filter(|_| lost)
 }

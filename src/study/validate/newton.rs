@@ -1,7 +1,6 @@
 //! The observed order of Newton's iteration on a slope that softens and slides.
 
-use super::{Effort, Files, Problem, Report, reference::Reference, setup::Run};
-use crate::fault::FaultKind;
+use super::{Effort, Files, Problem, Report, limit::lost_balance, reference::Reference, setup::Run};
 
 /// See the module.
 pub struct Newton;
@@ -72,7 +71,7 @@ fn orders(run: &mut Run) -> Result<Vec<Step>, String> {
     while run.sim.time < end * (1.0 - 1e-12) {
         match run.sim.step(end - run.sim.time) {
             Ok(()) => {}
-            Err(fault) if matches!(fault.kind, FaultKind::NewtonDiverged | FaultKind::Singular) => break,
+            Err(fault) if lost_balance(&fault).is_some() => break,
             Err(fault) => return Err(fault.to_string()),
         }
         let (last, work) = (run.sim.report(), run.sim.books().plastic);
