@@ -297,9 +297,9 @@ impl System {
         }
     }
 
-    /// Largest component of the last correction (m).
-    pub fn largest_correction(&self) -> f64 {
-        self.delta.iter().fold(0.0, |a: f64, d| a.max(d.abs()))
+    /// Energy norm |delta . r| of the last correction (kJ/m).
+    pub fn energy(&self) -> f64 {
+        self.delta.iter().zip(&self.rhs).map(|(d, r)| d * r).sum::<f64>().abs()
     }
 
     /// Right-hand side, not a number in held rows, and the dense tangent.

@@ -17,6 +17,8 @@ pub struct Work {
     pub particle_steps: u64,
     /// Newton iterations (implicit scheme; 0 in the explicit scheme).
     pub newton_iterations: u64,
+    /// Steps accepted at the floor of rounding, with a residual above the one asked for.
+    pub rounding_accepts: u64,
     /// Evaluations by which a line search shortened an iteration.
     pub line_searches: u64,
     /// Times the structure of the equations was made anew.

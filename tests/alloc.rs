@@ -107,3 +107,32 @@ fn no_step_allocates_with_every_effect() {
     ];
     run_through_failure(&keys, 1500);
 }
+
+/// Implicit steps in which the structure of the equations stays, for symmetric and for
+/// unsymmetric systems.
+fn run_implicitly(keys: &[&str]) {
+    let all = ["solver.scheme=implicit", "grid.cell=0.5", "implicit.regime=newmark", "implicit.time_step=0.01"];
+    let mut sim = simulation(SLOPE, &[&all, keys].concat());
+    advance(&mut sim, 60);
+    let mut wrong = Vec::new();
+    for _ in 0..60 {
+        let (before, symbolic) = (allocations(), sim.work.symbolic_factorisations);
+        advance(&mut sim, 1);
+        let made = allocations() - before;
+        if made > 0 && sim.work.symbolic_factorisations == symbolic {
+            wrong.push((sim.work.steps, made));
+        }
+    }
+    assert!(wrong.is_empty(), "steps that allocate: {:?}", &wrong[..wrong.len().min(8)]);
+}
+
+#[test]
+fn no_implicit_step_allocates_with_cholesky() {
+    run_implicitly(&["boundary.base.kind=fixed", "material.clay.strength_measure=kirchhoff"]);
+}
+
+#[test]
+fn no_implicit_step_allocates_with_smoothed_dilatation() {
+    let keys = ["boundary.base.kind=fixed", "material.clay.strength_measure=kirchhoff", "solver.locking=b_bar"];
+    run_implicitly(&keys);
+}

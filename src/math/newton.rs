@@ -16,6 +16,9 @@ pub struct Tolerances {
 pub enum Verdict {
     Converged,
     Continue,
+    /// No better for several iterations, but only for rounding: the residual is small, and the last
+    /// correction has done no work to speak of.
+    AtRounding,
     /// Not a number, far worse than at the start, or no better for several iterations.
     GiveUp,
 }
@@ -25,6 +28,11 @@ const PATIENCE: usize = 5;
 /// Growth of the residual over its first value that counts as divergence.
 const BLOWN_UP: f64 = 1e6;
 
+/// Residual, over the scale of the forces, below which rounding may be what is left.
+const SMALL: f64 = 1e-7;
+/// Energy of a correction over the largest one, below which it is rounding.
+const NO_WORK: f64 = 1e-18;
+
 /// The residuals of one step.
 #[derive(Clone, Debug)]
 pub struct Convergence {
@@ -33,13 +41,15 @@ pub struct Convergence {
     /// Largest scale of the step.
     scale: f64,
     best: (usize, f64),
+    /// |delta . r| of the last correction, and the largest (kJ/m).
+    energy: (f64, f64),
 }
 
 impl Convergence {
     /// For steps with these tolerances.
     pub fn new(tolerances: Tolerances) -> Self {
         let history = Vec::with_capacity(tolerances.max_iterations as usize + 2);
-        Convergence { tolerances, history, scale: 0.0, best: (0, f64::INFINITY) }
+        Convergence { tolerances, history, scale: 0.0, best: (0, f64::INFINITY), energy: (f64::INFINITY, 0.0) }
     }
 
     /// Forgets the last step.
@@ -47,6 +57,7 @@ impl Convergence {
         self.history.clear();
         self.scale = 0.0;
         self.best = (0, f64::INFINITY);
+        self.energy = (f64::INFINITY, 0.0);
     }
 
     /// Notes a residual and the scale of the forces that should balance.
@@ -62,8 +73,22 @@ impl Convergence {
         }
         let first = self.history[0].max(scale);
         let hopeless = !residual.is_finite() || residual > BLOWN_UP * first || k - self.best.0 >= PATIENCE;
+        let idle = self.energy.0 <= NO_WORK * self.energy.1 && residual <= SMALL * scale;
+        if idle && k > self.best.0 {
+            return Verdict::AtRounding;
+        }
         let spent = k >= self.tolerances.max_iterations as usize;
         if hopeless || spent { Verdict::GiveUp } else { Verdict::Continue }
+    }
+
+    /// Notes the energy norm of a correction, |delta . r| (kJ/m).
+    pub fn note_energy(&mut self, energy: f64) {
+        self.energy = (energy, self.energy.1.max(energy));
+    }
+
+    /// Energy norm of the last correction over the largest of the step; `None` before one.
+    pub fn energy_ratio(&self) -> Option<f64> {
+        (self.energy.1 > 0.0).then(|| self.energy.0 / self.energy.1)
     }
 
     /// The equations have changed, as a contact has: residuals before and after do not compare.
@@ -113,6 +138,22 @@ mod tests {
         assert_eq!(verdicts.last(), Some(&Verdict::Converged));
         assert_eq!(c.iterations(), 4);
         assert!((c.order(1e-12).unwrap() - 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn rounding_is_not_divergence() {
+        let verdicts = |energies: [f64; 4]| {
+            let mut c = Convergence::new(TOLERANCES);
+            let residuals = [1.0, 1e-4, 4e-9, 5e-9];
+            let note = |(r, e)| {
+                let verdict = c.note(r, 1.0);
+                c.note_energy(e);
+                verdict
+            };
+            residuals.into_iter().zip(energies).map(note).last()
+        };
+        assert_eq!(verdicts([1.0, 1e-8, 1e-19, 1e-19]), Some(Verdict::AtRounding));
+        assert_eq!(verdicts([1.0, 1e-8, 1e-12, 1e-12]), Some(Verdict::Continue));
     }
 
     #[test]

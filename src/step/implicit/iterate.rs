@@ -55,11 +55,16 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
             let settled = residual.changes == 0 && self.system.gap() == 0.0;
             match self.convergence.note(residual.norm, residual.scale) {
                 Verdict::Converged if settled => break,
+                Verdict::AtRounding if settled => {
+                    work.rounding_accepts += 1;
+                    break;
+                }
                 Verdict::GiveUp => return Err(self.diverged(&residual)),
-                Verdict::Converged | Verdict::Continue => {}
+                Verdict::Converged | Verdict::AtRounding | Verdict::Continue => {}
             }
             let solution = self.timed(EQUATIONS, |i| i.system.solve(&mut i.solver, work))?;
             positive = solution.positive.unwrap_or(true);
+            self.convergence.note_energy(self.system.energy());
             work.newton_iterations += 1;
             (plastic, residual) = self.advance(body, clock, weights, &residual, work)?;
             if self.settings.tolerance.is_some() && self.convergence.iterations() == 0 {
@@ -166,6 +171,7 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
             .with("iterations", f64::from(self.convergence.iterations()))
             .with("residual_kn", residual.norm)
             .with("relative_residual", residual.norm / residual.scale)
+            .with("energy_ratio", self.convergence.energy_ratio().unwrap_or(f64::NAN))
             .with("contact_changes", f64::from(residual.changes))
     }
 
