@@ -202,6 +202,7 @@ impl Body {
     /// Starts a new phase from here: velocities to zero, displacements counted from now.
     pub fn restart_from_here(&mut self) {
         self.committed.v.iter_mut().for_each(|v| v.fill(0.0));
+        self.committed.acceleration.clear();
         for (i, &id) in self.id.iter().enumerate() {
             self.reference[id as usize] = [self.committed.x[0][i], self.committed.x[1][i]];
         }

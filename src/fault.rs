@@ -26,6 +26,22 @@ pub enum FaultKind {
     Inaccurate,
 }
 
+impl FaultKind {
+    /// What went wrong, in words.
+    pub fn what(self) -> &'static str {
+        match self {
+            FaultKind::Inverted => "a material point was turned inside out (det F <= 0)",
+            FaultKind::LeftGrid => "a material point left the grid",
+            FaultKind::NonFinite => "a quantity is no longer a finite number",
+            FaultKind::StepTooLong => "a material point would move by more than half a cell in one step",
+            FaultKind::Singular => "a system of equations has no solution that can be trusted (singular matrix)",
+            FaultKind::NewtonDiverged => "Newton's iteration did not converge",
+            FaultKind::Inaccurate => "the error of a step is larger than allowed",
+            FaultKind::Unstable => "the body is in no stable equilibrium without inertia",
+        }
+    }
+}
+
 /// A fault in one step. The body is as it was before the step.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Fault {
@@ -97,16 +113,7 @@ impl Fault {
 
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let what = match self.kind {
-            FaultKind::Inverted => "a material point was turned inside out (det F <= 0)",
-            FaultKind::LeftGrid => "a material point left the grid",
-            FaultKind::NonFinite => "a quantity is no longer a finite number",
-            FaultKind::StepTooLong => "a material point would move by more than half a cell in one step",
-            FaultKind::Singular => "a system of equations has no solution that can be trusted (singular matrix)",
-            FaultKind::NewtonDiverged => "Newton's iteration did not converge",
-            FaultKind::Inaccurate => "the error of a step is larger than allowed",
-            FaultKind::Unstable => "the body is in no stable equilibrium without inertia",
-        };
+        let what = self.kind.what();
         write!(f, "{what}, in step {} at t = {:.4} s", self.step, self.time_s)?;
         if let Some(p) = self.point {
             write!(f, ", point {p}")?;

@@ -95,6 +95,11 @@ fn all_inside<const N: usize>(s: &Scratch<N>, grid: &Grid, len: usize) -> bool {
     outside == 0
 }
 
+/// Whether the places of the first `len` points are numbers.
+fn all_finite<const N: usize>(s: &Scratch<N>, len: usize) -> bool {
+    s.x.0.iter().all(|x| x[..len].iter().all(|v| v.is_finite()))
+}
+
 /// The first point of a block that is not inside the grid, and what took it there.
 #[cold]
 fn departure<const N: usize>(s: &Scratch<N>, body: &Body, grid: &Grid, range: &Range<usize>) -> Fault {
@@ -143,6 +148,9 @@ pub struct Carry<'a, S, const N: usize> {
     pub kept: &'a Kept<N>,
     pub system: &'a System,
     pub moving: bool,
+    /// Whether points may leave the grid: in small strain they keep their places among the nodes,
+    /// wherever they are drawn.
+    pub unbound: bool,
     /// a_i at the end of the step; empty where it is not remembered.
     pub acceleration: &'a [Vec<f64>; 2],
     /// a, the share of PIC in this step.
@@ -155,7 +163,7 @@ impl<S: Copy, const N: usize> Kernel for Carry<'_, S, N> {
 
     #[inline(always)]
     fn run(self) -> Self::Output {
-        let Carry { scratch: s, body, nodes, kept, system, moving, acceleration, pic, .. } = self;
+        let Carry { scratch: s, body, nodes, kept, system, moving, unbound, acceleration, pic, .. } = self;
         let mut block = 0;
         for g in 0..body.groups.len() {
             for range in chunks(body.groups[g].range.clone()) {
@@ -167,7 +175,8 @@ impl<S: Copy, const N: usize> Kernel for Carry<'_, S, N> {
                     spread(s.runs.of(block), &mut s.nodal, [du, v, old]);
                     carry(s, stencil, axis, moving, pic);
                 }
-                if !all_inside(s, &nodes.grid, range.len()) {
+                let sound = if unbound { all_finite(s, range.len()) } else { all_inside(s, &nodes.grid, range.len()) };
+                if !sound {
                     return Err(departure(s, body, &nodes.grid, &range));
                 }
                 for axis in 0..2 {

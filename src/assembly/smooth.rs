@@ -28,7 +28,7 @@ use crate::{
     block::Moduli3,
     body::{Body, chunks, set_uniform},
     domain,
-    fault::Fault,
+    fault::{Fault, FaultKind},
     math::{simd::Kernel, sparse::offset_bit},
     nodes::Nodes,
     space::{
@@ -173,7 +173,7 @@ impl<S: Shape<N>, const N: usize> Kernel for RespondSmoothed<'_, S, N> {
     #[inline(always)]
     fn run(mut self) -> Self::Output {
         self.cells.cells.iter_mut().for_each(Cell::clear);
-        self.dilatations();
+        self.dilatations()?;
         let plastic = self.stresses()?;
         self.forces();
         if self.tangent {
@@ -184,7 +184,7 @@ impl<S: Shape<N>, const N: usize> Kernel for RespondSmoothed<'_, S, N> {
 }
 
 impl<S: Shape<N>, const N: usize> RespondSmoothed<'_, S, N> {
-    fn dilatations(&mut self) {
+    fn dilatations(&mut self) -> Result<(), Fault> {
         let RespondSmoothed { scratch: s, body, kept, cells, system, .. } = self;
         let mut theta = [0.0; LANES];
         let mut block = 0;
@@ -193,7 +193,13 @@ impl<S: Shape<N>, const N: usize> RespondSmoothed<'_, S, N> {
                 s.block.len = range.len();
                 strain(s, &kept.stencils[block], system, block);
                 group.law.dilatation(&s.block, &mut theta);
-                for (lane, i) in range.enumerate() {
+                for (lane, i) in range.clone().enumerate() {
+                    if !theta[lane].is_finite() {
+                        // its mean would blame another point
+                        return Err(
+                            body.blame(Fault::new(FaultKind::Inverted).at(lane as u32, [f64::NAN; 2]), range.start)
+                        );
+                    }
                     let cell = &mut cells.cells[cells.of_point[i] as usize];
                     cell.volume += body.volume[i];
                     cell.dilatation += body.volume[i] * theta[lane];
@@ -201,6 +207,7 @@ impl<S: Shape<N>, const N: usize> RespondSmoothed<'_, S, N> {
                 block += 1;
             }
         }
+        Ok(())
     }
 
     fn stresses(&mut self) -> Result<f64, Fault> {

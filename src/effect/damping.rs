@@ -74,13 +74,15 @@ impl Effect for LocalDamping {
 pub struct ViscousDamping {
     /// c (1/s).
     rate: f64,
+    /// Whether the step of the implicit scheme has inertia; without it there is no motion to damp.
+    moving: bool,
     ledger: Ledger,
 }
 
 impl ViscousDamping {
     /// `rate` (1/s): the velocity of a free body decays as exp(-rate t).
     pub fn new(rate: f64) -> Self {
-        ViscousDamping { rate, ledger: Ledger::default() }
+        ViscousDamping { rate, moving: false, ledger: Ledger::default() }
     }
 }
 
@@ -111,7 +113,18 @@ impl Effect for ViscousDamping {
     }
 
     /// r_i += c m_i du_i / dt.
-    fn residual(&mut self, nodes: &Nodes, clock: Clock, _: Option<Motion<'_>>, system: &mut System, tangent: bool) {
+    fn residual(
+        &mut self,
+        nodes: &Nodes,
+        clock: Clock,
+        motion: Option<Motion<'_>>,
+        system: &mut System,
+        tangent: bool,
+    ) {
+        self.moving = motion.is_some();
+        if !self.moving {
+            return;
+        }
         for axis in 0..2 {
             for slot in 0..nodes.count {
                 let drag = self.rate * nodes.mass[slot] / clock.dt;
@@ -124,6 +137,9 @@ impl Effect for ViscousDamping {
     }
 
     fn settle(&mut self, nodes: &Nodes, clock: Clock, system: &System) {
+        if !self.moving {
+            return;
+        }
         for axis in 0..2 {
             for (m, du) in nodes.mass[..nodes.count].iter().zip(&system.du[axis]) {
                 let velocity = du / clock.dt;

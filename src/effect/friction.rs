@@ -266,6 +266,10 @@ impl Effect for Friction {
     /// Clearance of the points in the cells along the side; a point is a square of its volume.
     fn survey(&mut self, body: &Body, grid: &Grid) {
         let (n, t) = (self.side.axis(), 1 - self.side.axis());
+        // in small strain the points keep their places among the nodes
+        if !self.clearance.is_empty() && !body.groups.iter().any(|g| g.law.finite()) {
+            return;
+        }
         self.clearance.clear();
         self.clearance.resize(grid.cells[t] as usize + 1, f64::INFINITY);
         let side = if self.side.inward() > 0.0 { grid.origin[n] } else { grid.far()[n] };

@@ -142,12 +142,18 @@ impl Inertia {
         for axis in 0..2 {
             for slot in 0..nodes.count {
                 let a = self.acceleration(nodes, system, w, axis, slot);
-                let held = system.is_inelastic(slot, axis);
+                let stopped = system.is_inelastic(slot, axis);
                 let free =
                     nodes.old_velocity[axis][slot] + w.dt * ((1.0 - w.gamma) * self.start(axis, slot) + w.gamma * a);
-                nodes.velocity[axis][slot] = if held { system.du[axis][slot] / w.dt } else { free };
-                if let Some(start) = self.start[axis].get_mut(slot) {
-                    *start = if held { 0.0 } else { a };
+                let start = nodes.old_velocity[axis][slot];
+                let velocity = if stopped { system.du[axis][slot] / w.dt } else { free };
+                nodes.velocity[axis][slot] = velocity;
+                if let Some(acceleration) = self.start[axis].get_mut(slot) {
+                    *acceleration = match (system.is_held(slot, axis), stopped) {
+                        (true, _) => 0.0,
+                        (false, true) => (velocity - start) / w.dt,
+                        (false, false) => a,
+                    };
                 }
             }
         }

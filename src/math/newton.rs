@@ -77,8 +77,7 @@ impl Convergence {
         if idle && k > self.best.0 {
             return Verdict::AtRounding;
         }
-        let spent = k >= self.tolerances.max_iterations as usize;
-        if hopeless || spent { Verdict::GiveUp } else { Verdict::Continue }
+        if hopeless || self.is_spent() { Verdict::GiveUp } else { Verdict::Continue }
     }
 
     /// Notes the energy norm of a correction, |delta . r| (kJ/m).
@@ -96,6 +95,11 @@ impl Convergence {
         self.best = (self.history.len(), f64::INFINITY);
     }
 
+    /// Whether the iterations allowed are used up.
+    pub fn is_spent(&self) -> bool {
+        self.iterations() >= self.tolerances.max_iterations
+    }
+
     /// Iterations done: residuals noted after the first.
     pub fn iterations(&self) -> u32 {
         self.history.len().saturating_sub(1) as u32
@@ -104,11 +108,6 @@ impl Convergence {
     /// The last residual.
     pub fn residual(&self) -> f64 {
         self.history.last().copied().unwrap_or(0.0)
-    }
-
-    /// All residuals of the step.
-    pub fn residuals(&self) -> &[f64] {
-        &self.history
     }
 
     /// Order of convergence ln(r2 / r1) / ln(r1 / r0) from the last three residuals above

@@ -180,7 +180,7 @@ fn numerical_energy(case: &Case, outcome: &Outcome) -> Option<Warning> {
         case::Scheme::Explicit => ("explicit.courant", ""),
         case::Scheme::Implicit => (
             "implicit.time_step",
-            ": in the implicit scheme points that cross cell faces (bilinear shapes), the share of PIC, stops at contacts, and the damping of backward_euler and hht",
+            ": in the implicit scheme points that cross cell faces (bilinear shapes), the share of PIC, stops at contacts, the damping of backward_euler and hht, and without inertia a load that comes on at once",
         ),
     };
     (e.numerical.abs() > 0.05 * e.external.abs().max(1e-9)).then(|| {

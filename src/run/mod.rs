@@ -112,7 +112,8 @@ impl Limits<'_> {
     }
 }
 
-/// Steps between two looks at the clock, the interrupt and the state of rest.
+/// Explicit steps between two looks at the clock, the interrupt and the state of rest; an implicit
+/// step takes long enough to look after each.
 const LOOK: u64 = 16;
 
 struct Loop<'a> {
@@ -131,13 +132,14 @@ struct Loop<'a> {
 pub fn run(case: &Case, scene: &mut Scene, limits: Limits, observer: &mut dyn Observer) -> std::io::Result<Outcome> {
     let started = Instant::now();
     let mut state = Loop::new(case, scene);
+    let look = if case.solver.scheme == case::Scheme::Explicit { LOOK } else { 1 };
     let sim = &mut scene.simulation;
     state.look(sim, observer, true)?;
     let (status, fault) = loop {
         if let Some(status) = state.finished(sim) {
             break (status, None);
         }
-        if sim.work.steps.is_multiple_of(LOOK) {
+        if sim.work.steps.is_multiple_of(look) {
             if limits.interrupted() {
                 break (Status::Interrupted, None);
             }

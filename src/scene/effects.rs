@@ -36,7 +36,7 @@ pub fn build(case: &Case, grid: &Grid, body: &Body) -> Result<Vec<Box<dyn Effect
     }
     effects.extend(sides(case).filter_map(|(side, kind)| hold(side, kind)));
     for d in &case.drive {
-        effects.push(Box::new(drive(d, grid)?));
+        effects.push(Box::new(drive(case, d, grid)?));
     }
     effects.extend(sides(case).filter_map(|(side, kind)| rub(side, kind)));
     Ok(effects)
@@ -65,7 +65,7 @@ fn load(load: &case::Load, grid: &Grid, body: &Body) -> Result<Load, SceneError>
     Ok(Load::new(weight, load.force, load.ramp_time))
 }
 
-fn drive(drive: &case::Drive, grid: &Grid) -> Result<Drive, SceneError> {
+fn drive(case: &Case, drive: &case::Drive, grid: &Grid) -> Result<Drive, SceneError> {
     if NodeRange::of(grid, drive.area).is_empty() {
         let [low, high] = drive.area;
         let key = format!("drive.{}.box", drive.name);
@@ -76,7 +76,9 @@ fn drive(drive: &case::Drive, grid: &Grid) -> Result<Drive, SceneError> {
         return Err(refuse(&key, message));
     }
     let until = drive.until.unwrap_or(f64::INFINITY);
-    Ok(Drive::new(drive.area, [drive.velocity_x, drive.velocity_y], drive.moving, until))
+    // in small strain the nodes do not move away from the box
+    let moving = drive.moving && case.solver.kinematics != case::Kinematics::Small;
+    Ok(Drive::new(drive.area, [drive.velocity_x, drive.velocity_y], moving, until))
 }
 
 /// The four sides with their supports. A smooth side that cannot open is a roller.

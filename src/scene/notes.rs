@@ -200,6 +200,12 @@ fn local_damping(case: &Case, node: f64) -> EffectNote {
         (true, false) => {
             note("local_damping", true, "gravity.settle_damping, while the soil settles".into(), 48.0 * node)
         }
+        _ if case.damping.local > 0.0 => note(
+            "local_damping",
+            false,
+            "a remedy of the explicit scheme; the implicit one does not use it".into(),
+            0.0,
+        ),
         _ => note("local_damping", false, "damping.local = 0".into(), 0.0),
     }
 }

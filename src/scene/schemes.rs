@@ -44,6 +44,7 @@ pub fn implicit(case: &Case, body: &Body) -> implicit::Settings {
             max_iterations: i.max_iterations as u32,
         },
         line_search: i.line_search,
+        min_time_step: i.min_time_step,
         smooth: case.solver.locking == case::Locking::BBar,
         tolerance: i.tolerance,
         pic_rate: i.pic_rate,

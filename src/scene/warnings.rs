@@ -33,15 +33,37 @@ pub fn list(case: &Case, simulation: &mut Simulation) -> Vec<Warning> {
     let mut found = vec![time_step(case, simulation), short(case), large_output(case, simulation)];
     found.extend([jitter(case), given_stress(case), short_load(case), narrow_drive(case)]);
     if case.solver.scheme == Scheme::Implicit {
-        found.extend([still_damping(case), settle_damping(case)]);
+        found.extend([still_damping(case), settle_damping(case), small_strain(case), idle_motion(case)]);
     }
     found.into_iter().flatten().collect()
+}
+
+/// Small strain draws any displacement, and means only small ones.
+fn small_strain(case: &Case) -> Option<Warning> {
+    (case.solver.kinematics == crate::case::Kinematics::Small).then(|| {
+        let text = "small strain: forces stay where the points started; displacements of more than part of a cell are drawn, not meant";
+        Warning::new("small_strain", "solver.kinematics", text.into())
+    })
+}
+
+/// Without inertia a body does not move on.
+fn idle_motion(case: &Case) -> Option<Warning> {
+    let moving = |r: &crate::case::Region| r.velocity != [0.0; 2] || r.spin.is_some() || r.wave.is_some();
+    let region = case.region.iter().position(moving)?;
+    (case.implicit.regime == Regime::QuasiStatic).then(|| {
+        let text = "regime = \"quasi_static\" has no inertia: the initial velocity is not used";
+        Warning::new("idle_motion", &format!("region.{region}.velocity"), text.into())
+    })
 }
 
 /// Damping works on a velocity, and equilibrium has none.
 fn still_damping(case: &Case) -> Option<Warning> {
     let key = if case.damping.local > 0.0 { "damping.local" } else { "damping.viscous" };
     let damped = case.damping.local > 0.0 || case.damping.viscous > 0.0;
+    if case.damping.local > 0.0 {
+        let text = "local damping is a remedy of the explicit scheme: the implicit one does not use it";
+        return Some(Warning::new("local_damping_unused", key, text.into()));
+    }
     (damped && case.implicit.regime == Regime::QuasiStatic)
         .then(|| Warning::new("damping_without_motion", key, "regime = \"quasi_static\" has no inertia to damp".into()))
 }

@@ -26,11 +26,23 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
         }
         let pic = -(-self.settings.pic_rate * clock.dt).exp_m1();
         let moving = weights.is_some();
+        let unbound = !body.groups.iter().any(|g| g.law.finite());
         let Implicit { scratch, nodes, kept, system, inertia, path, shape, .. } = self;
         let shape = *shape;
         let none = Default::default();
         let acceleration = inertia.as_ref().map_or(&none, |i| &i.start);
-        path.run(Carry { scratch: scratch.as_mut(), body, nodes, kept, system, moving, acceleration, pic, shape })
+        path.run(Carry {
+            scratch: scratch.as_mut(),
+            body,
+            nodes,
+            kept,
+            system,
+            moving,
+            unbound,
+            acceleration,
+            pic,
+            shape,
+        })
     }
 
     /// Compares the local error of the step with the tolerance.
@@ -54,7 +66,8 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
             for slot in (0..nodes.count).filter(|&s| nodes.mass[s] > 0.0) {
                 let m = nodes.mass[slot];
                 let error = match weights {
-                    None => 0.5 * (system.du[axis][slot] - first[axis].get(slot).copied().unwrap_or(0.0)),
+                    // none without a correction: the step has found balance
+                    None => first[axis].get(slot).map_or(0.0, |first| 0.5 * (system.du[axis][slot] - first)),
                     Some(_) if system.is_inelastic(slot, axis) => 0.0,
                     Some(w) => {
                         let at_start = start_force[axis].get(slot).map_or(0.0, |f| (nodes.force[axis][slot] - f) / m);

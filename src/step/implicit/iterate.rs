@@ -60,6 +60,9 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
                     break;
                 }
                 Verdict::GiveUp => return Err(self.diverged(&residual)),
+                Verdict::Converged | Verdict::AtRounding if self.convergence.is_spent() => {
+                    return Err(self.diverged(&residual));
+                }
                 Verdict::Converged | Verdict::AtRounding | Verdict::Continue => {}
             }
             let solution = self.timed(EQUATIONS, |i| i.system.solve(&mut i.solver, work))?;

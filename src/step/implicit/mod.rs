@@ -40,6 +40,8 @@ pub struct Settings {
     pub regime: Regime,
     pub tolerances: Tolerances,
     pub line_search: bool,
+    /// No step is cut below this (s).
+    pub min_time_step: f64,
     /// Whether the dilatation is smoothed over cells (B-bar).
     pub smooth: bool,
     /// Local error of the displacement allowed in a step, in cells; `None`: not looked at.

@@ -10,7 +10,13 @@ use crate::{
 
 /// Failed steps in a row, each half as long as the one before, after which a quasi-static body is
 /// taken to have lost its stability.
-const STUBBORN: u32 = 3;
+const STUBBORN: u32 = 6;
+
+/// Whether a fault may come of a body that has no equilibrium any more.
+fn speaks_of_stability(kind: FaultKind) -> bool {
+    use FaultKind::{Inverted, NewtonDiverged, NonFinite, Singular, Unstable};
+    matches!(kind, NewtonDiverged | Singular | Inverted | NonFinite | Unstable)
+}
 
 impl<S: Shape<N>, const N: usize> Implicit<S, N> {
     /// Brings inertia in where a quasi-static body has lost its stability. Whether it did.
@@ -19,13 +25,16 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
         if self.inertia.is_some() {
             return false;
         }
-        self.failures += 1;
-        let unstable = fault.kind == FaultKind::Unstable;
-        if !unstable && self.failures < STUBBORN {
+        if !speaks_of_stability(fault.kind) {
             return false;
         }
-        let why = if unstable { "the tangent is not positive definite" } else { "Newton's iteration fails" };
-        self.events.push(Event { time_s: clock.time, kind: "stability_lost", why: why.to_owned() });
+        self.failures += 1;
+        let last_chance = 0.5 * clock.dt < self.settings.min_time_step;
+        if fault.kind != FaultKind::Unstable && self.failures < STUBBORN && !last_chance {
+            return false;
+        }
+        let why = format!("no stable equilibrium found, with steps down to {:.1e} s: {}", clock.dt, fault.kind.what());
+        self.events.push(Event { time_s: clock.time, kind: "stability_lost", why });
         self.bring_inertia_in(scheme, clock);
         true
     }

@@ -50,12 +50,16 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
         }
         self.load(body, clock, weights);
         self.convergence.begin();
+        self.first.iter_mut().for_each(Vec::clear);
         let Some(w) = weights else { return Ok(()) };
-        self.map_motion(body);
+        let fresh = self.map_motion(body);
         if w.w1 < 1.0 {
             self.respond(body, false)?;
             for axis in 0..2 {
                 self.start_force[axis].clone_from(&self.system.residual[axis]);
+            }
+            if fresh {
+                self.accelerate();
             }
         }
         for axis in 0..2 {
@@ -83,8 +87,21 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
         }
     }
 
-    /// Velocities of the nodes at the start, and accelerations where they are remembered.
-    fn map_motion(&mut self, body: &mut Body) {
+    /// Accelerations at the start where none are remembered yet: those of the forces.
+    fn accelerate(&mut self) {
+        let Implicit { nodes, inertia, start_force, .. } = self;
+        let Some(inertia) = inertia else { return };
+        for axis in 0..2 {
+            let forces = nodes.force[axis].iter().zip(&start_force[axis]).zip(&nodes.mass);
+            for (a, ((load, internal), mass)) in inertia.start[axis].iter_mut().zip(forces) {
+                *a = if *mass > 0.0 { (load - internal) / mass } else { 0.0 };
+            }
+        }
+    }
+
+    /// Velocities of the nodes at the start, and accelerations where they are remembered. Returns
+    /// whether they are to be remembered and there are none yet.
+    fn map_motion(&mut self, body: &mut Body) -> bool {
         let Implicit { scratch, kept, nodes, inertia, path, .. } = self;
         let Nodes { old_velocity, mass, count, .. } = nodes;
         let (n, committed) = (*count, &body.committed);
@@ -92,8 +109,9 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
         let momentum = |i: usize, axis: usize| body.mass[i] * committed.v[axis][i];
         path.run(Map { scratch: scratch.as_mut(), body, kept, quantity: momentum, out: old_velocity });
         divide(old_velocity, &mass[..n]);
-        let Some(inertia) = inertia.as_mut().filter(|i| i.scheme.remembers()) else { return };
-        if body.committed.acceleration.is_empty() {
+        let Some(inertia) = inertia.as_mut().filter(|i| i.scheme.remembers()) else { return false };
+        let fresh = body.committed.acceleration.is_empty();
+        if fresh {
             body.track_accelerations();
         }
         for axis in &mut inertia.start {
@@ -104,6 +122,7 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
         let force = |i: usize, axis: usize| body.mass[i] * committed.acceleration[axis][i];
         path.run(Map { scratch: scratch.as_mut(), body, kept, quantity: force, out: &mut inertia.start });
         divide(&mut inertia.start, &mass[..n]);
+        fresh
     }
 }
 

@@ -54,6 +54,7 @@ fn integrator<S: Shape<N>, const N: usize>(shape: S, setting: Setting) -> Implic
         regime: setting.regime,
         tolerances: Tolerances { relative: 1e-12, absolute: 0.0, max_iterations: 30 },
         line_search: true,
+        min_time_step: 0.0,
         smooth: setting.smooth,
         tolerance: None,
         pic_rate: 0.0,
