@@ -32,7 +32,7 @@ impl Problem for Incline {
         for &h in cells {
             for factor in [1.5, 2.0] {
                 self.slide(Scheme::Explicit, h, factor, reference, report)?;
-                for inertia in ["newmark", "backward_euler"] {
+                for inertia in ["newmark", "hht", "backward_euler"] {
                     self.slide(Scheme::Implicit(inertia), h, factor, reference, report)?;
                 }
             }
