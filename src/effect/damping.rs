@@ -113,14 +113,7 @@ impl Effect for ViscousDamping {
     }
 
     /// r_i += c m_i du_i / dt.
-    fn residual(
-        &mut self,
-        nodes: &Nodes,
-        clock: Clock,
-        motion: Option<Motion<'_>>,
-        system: &mut System,
-        tangent: bool,
-    ) {
+    fn residual(&mut self, nodes: &Nodes, clock: Clock, motion: Option<Motion<'_>>, system: &mut System) {
         self.moving = motion.is_some();
         if !self.moving {
             return;
@@ -129,7 +122,7 @@ impl Effect for ViscousDamping {
             for slot in 0..nodes.count {
                 let drag = self.rate * nodes.mass[slot] / clock.dt;
                 system.residual[axis][slot] += drag * system.du[axis][slot];
-                if tangent && drag > 0.0 {
+                if drag > 0.0 {
                     system.add_diagonal(slot, axis, drag);
                 }
             }

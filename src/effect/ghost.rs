@@ -246,7 +246,7 @@ impl Effect for Ghost {
         }
     }
 
-    fn residual(&mut self, nodes: &Nodes, _: Clock, motion: Option<Motion<'_>>, system: &mut System, tangent: bool) {
+    fn residual(&mut self, nodes: &Nodes, _: Clock, motion: Option<Motion<'_>>, system: &mut System) {
         let slope = motion.map_or(0.0, |m| m.weights.c0);
         for face in &self.faces {
             for axis in 0..2 {
@@ -258,9 +258,7 @@ impl Effect for Ghost {
                 let values = face.slots.map(value);
                 face.push(&mut system.residual[axis], values);
             }
-            if tangent {
-                face.stiffen(system, face.stiffness + slope * face.mass);
-            }
+            face.stiffen(system, face.stiffness + slope * face.mass);
         }
     }
 

@@ -114,7 +114,7 @@ impl Inertia {
     /// An unknown that is held or in contact comes to its velocity within the step, whatever the
     /// scheme: the average acceleration would let it swing to and fro. The force for that is
     /// m (du / dt - v0) / dt, and `system.impact` is what it differs by.
-    pub fn add(&mut self, nodes: &Nodes, system: &mut System, w: &Weights, tangent: bool) {
+    pub fn add(&mut self, nodes: &Nodes, system: &mut System, w: &Weights) {
         let mut square = 0.0;
         system.impact_slope.clear();
         system.impact_slope.extend(nodes.mass[..nodes.count].iter().map(|m| m * (1.0 / (w.dt * w.dt) - w.c0)));
@@ -128,7 +128,7 @@ impl Inertia {
                 system.residual[axis][slot] += force;
                 system.impact[axis][slot] = stop - force;
                 square += force * force;
-                if tangent && mass > 0.0 {
+                if mass > 0.0 {
                     system.add_diagonal(slot, axis, w.c0 * mass);
                 }
             }

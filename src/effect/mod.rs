@@ -150,17 +150,9 @@ pub trait Effect: Send {
     /// the structure of a step is fixed. In small strain that is once.
     fn couple(&mut self, _body: &Body, _nodes: &Nodes, _system: &mut System) {}
 
-    /// Implicit scheme: adds to the residual, and with `tangent` to the tangent, at the present
+    /// Implicit scheme: adds to the residual and to the tangent at the present
     /// increment. `motion` gives the accelerations where there is inertia.
-    fn residual(
-        &mut self,
-        _nodes: &Nodes,
-        _clock: Clock,
-        _motion: Option<Motion<'_>>,
-        _system: &mut System,
-        _tangent: bool,
-    ) {
-    }
+    fn residual(&mut self, _nodes: &Nodes, _clock: Clock, _motion: Option<Motion<'_>>, _system: &mut System) {}
 
     /// Implicit scheme, in place of `constrain`: holds unknowns, or lets them slide. `iteration`
     /// counts from 0 in each step. Returns how many of its choices have changed.

@@ -65,7 +65,7 @@ impl Scene {
     /// Residual by rank and axis, and the dense tangent.
     fn equations(&mut self, motion: Option<Motion<'_>>) -> (Vec<f64>, Vec<Vec<f64>>) {
         self.system.clear(true);
-        self.ghost.residual(&self.nodes, CLOCK, motion, &mut self.system, true);
+        self.ghost.residual(&self.nodes, CLOCK, motion, &mut self.system);
         let (rhs, dense) = self.system.free_equations();
         (rhs.iter().map(|r| -r).collect(), dense)
     }

@@ -148,7 +148,7 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
         let mut scale = norm(&self.system.residual);
         if let Some((w, inertia)) = weights.zip(self.inertia.as_mut()) {
             weigh(&mut self.system, &self.start_force, w.w1);
-            inertia.add(&self.nodes, &mut self.system, &w, true);
+            inertia.add(&self.nodes, &mut self.system, &w);
             scale = scale.max(inertia.norm);
         }
         for axis in 0..2 {
@@ -158,7 +158,7 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
         let Implicit { effects, nodes, system, inertia, .. } = self;
         let motion = weights.as_ref().zip(inertia.as_ref()).map(|(weights, inertia)| Motion { inertia, weights });
         for effect in effects.iter_mut().filter(|e| e.stages().residual) {
-            effect.residual(nodes, clock, motion, system, true);
+            effect.residual(nodes, clock, motion, system);
         }
         system.release();
         let holding = effects.iter_mut().filter(|e| e.stages().constrain);
