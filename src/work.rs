@@ -19,6 +19,8 @@ pub struct Work {
     pub newton_iterations: u64,
     /// Steps accepted at the floor of rounding, with a residual above the one asked for.
     pub rounding_accepts: u64,
+    /// Contacts that changed state too often in a step and were left as they were, summed over the steps.
+    pub frozen_contacts: u64,
     /// Evaluations by which a line search shortened an iteration.
     pub line_searches: u64,
     /// Times the structure of the equations was made anew.

@@ -2,9 +2,7 @@
 
 use std::path::PathBuf;
 
-use indicatif::{ProgressBar, ProgressStyle};
-
-use super::{Failure, exit::print, input::CaseArgs, interrupt};
+use super::{Failure, exit::print, input::CaseArgs, interrupt, progress::runs_bar};
 use crate::{
     output::folder,
     run::Limits,
@@ -77,7 +75,7 @@ fn schemes(args: &Schemes) -> Result<(), Failure> {
     };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.jobs.unwrap_or(0)).build();
     let pool = pool.map_err(|e| Failure::Input(format!("--jobs: {e}")))?;
-    let study = pool.install(|| compare::compare(&plan, &case, &progress())).map_err(Failure::Input)?;
+    let study = pool.install(|| compare::compare(&plan, &case, &runs_bar())).map_err(Failure::Input)?;
     let json = serde_json::to_string_pretty(&study).map_err(|e| write(e.into()))?;
     folder::write_text(&out.join("compare.json"), &(json.clone() + "\n")).map_err(write)?;
     folder::write_text(&out.join("compare.csv"), &compare::csv(&study).map_err(write)?).map_err(write)?;
@@ -99,18 +97,4 @@ fn ending(study: &Study) -> Result<(), Failure> {
 fn step(text: &str) -> Result<f64, String> {
     let found: Option<f64> = text.trim().parse().ok();
     found.filter(|dt| *dt > 0.0 && dt.is_finite()).ok_or_else(|| format!("'{text}' is no length of a step in s"))
-}
-
-fn progress() -> impl Fn(usize, usize) + Sync {
-    let bar = ProgressBar::new(0);
-    if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos} of {len} runs, {eta} left") {
-        bar.set_style(style);
-    }
-    move |done, all| {
-        bar.set_length(all as u64);
-        bar.set_position(done as u64);
-        if done == all {
-            bar.finish_and_clear();
-        }
-    }
 }

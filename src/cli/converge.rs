@@ -2,9 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use indicatif::{ProgressBar, ProgressStyle};
-
-use super::{Failure, exit::print, input::CaseArgs, interrupt};
+use super::{Failure, exit::print, input::CaseArgs, interrupt, progress::runs_bar};
 use crate::{
     case::Case,
     output::{
@@ -59,7 +57,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         max_memory: args.case.max_memory,
         limits: Limits { interrupt: Some(interrupt::flag()), time_limit: None },
     };
-    let study = in_pool(args.jobs, || converge::converge(&plan, &progress()))?.map_err(Failure::Input)?;
+    let study = in_pool(args.jobs, || converge::converge(&plan, &runs_bar()))?.map_err(Failure::Input)?;
     let json = serde_json::to_string_pretty(&study).map_err(|e| write(e.into()))?;
     folder::write_text(&out.join("converge.json"), &(json.clone() + "\n")).map_err(write)?;
     draw(&out, &case, &study).map_err(write)?;
@@ -82,20 +80,6 @@ fn variants(vary: &[Vec<Variant>], case: &Case) -> Vec<Variant> {
 fn in_pool<R: Send>(jobs: Option<usize>, work: impl FnOnce() -> R + Send) -> Result<R, Failure> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs.unwrap_or(0)).build();
     Ok(pool.map_err(|e| Failure::Input(format!("--jobs: {e}")))?.install(work))
-}
-
-fn progress() -> impl Fn(usize, usize) + Sync {
-    let bar = ProgressBar::new(0);
-    if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos} of {len} runs, {eta} left") {
-        bar.set_style(style);
-    }
-    move |done, all| {
-        bar.set_length(all as u64);
-        bar.set_position(done as u64);
-        if done == all {
-            bar.finish_and_clear();
-        }
-    }
 }
 
 fn draw(out: &Path, case: &Case, study: &Study) -> std::io::Result<()> {

@@ -45,3 +45,18 @@ impl Progress {
         self.bar.finish_and_clear();
     }
 }
+
+/// A bar over the runs of a study: told how many of how many are done.
+pub fn runs_bar() -> impl Fn(usize, usize) + Sync {
+    let bar = ProgressBar::new(0);
+    if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos} of {len} runs, {eta} left") {
+        bar.set_style(style);
+    }
+    move |done, all| {
+        bar.set_length(all as u64);
+        bar.set_position(done as u64);
+        if done == all {
+            bar.finish_and_clear();
+        }
+    }
+}

@@ -306,6 +306,10 @@ impl Effect for Friction {
         changed
     }
 
+    fn frozen(&self) -> u64 {
+        self.grips.iter().filter(|g| g.changes >= MOST_CHANGES).count() as u64
+    }
+
     fn settle(&mut self, nodes: &Nodes, clock: Clock, system: &System) {
         let normal = self.side.axis();
         for (slot, axis, factor) in &self.forces {

@@ -160,6 +160,12 @@ pub trait Effect: Send {
         0
     }
 
+    /// Implicit scheme: contacts of the step that were left as they were, since their states refuted
+    /// each other to the end.
+    fn frozen(&self) -> u64 {
+        0
+    }
+
     /// Implicit scheme: the step has converged; books what holding has done.
     fn settle(&mut self, _nodes: &Nodes, _clock: Clock, _system: &System) {}
 

@@ -6,7 +6,7 @@ use crate::{
     assembly::{Scatter, Scratch, Strain, place},
     body::{Body, chunks, load_varying, set_uniform},
     domain,
-    effect::{Clock, Effect, Pass, Sink},
+    effect::{Clock, Effect, Pass},
     fault::Fault,
     math::simd::{FpPath, Kernel},
     nodes::Nodes,
@@ -339,17 +339,8 @@ impl<S: Shape<N>, const N: usize> Integrator for Explicit<S, N> {
     }
 
     fn books(&self) -> Books {
-        let mut books = Books { plastic: self.plastic, ..Books::default() };
-        books.effects.impulse = self.floor_impulse;
-        for effect in &self.effects {
-            let totals = effect.ledger().totals();
-            books.effects.add(&totals);
-            match effect.sink() {
-                Sink::Friction => books.friction += totals.dissipated,
-                Sink::Damping => books.damping += totals.dissipated,
-                Sink::None => {}
-            }
-        }
+        let mut books = Books::of(&self.effects, self.plastic);
+        (0..2).for_each(|axis| books.effects.impulse[axis] += self.floor_impulse[axis]);
         books
     }
 

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use crate::{
     body::Body,
-    effect::{Clock, Totals},
+    effect::{Clock, Effect, Sink, Totals},
     fault::Fault,
     work::Work,
 };
@@ -25,6 +25,23 @@ pub struct Books {
     pub friction: f64,
     /// Energy taken by damping (kJ/m).
     pub damping: f64,
+}
+
+impl Books {
+    /// From the ledgers of the effects, each under the head that it names, and the plastic work (kJ/m).
+    pub fn of(effects: &[Box<dyn Effect>], plastic: f64) -> Self {
+        let mut books = Books { plastic, ..Books::default() };
+        for effect in effects {
+            let totals = effect.ledger().totals();
+            books.effects.add(&totals);
+            match effect.sink() {
+                Sink::Friction => books.friction += totals.dissipated,
+                Sink::Damping => books.damping += totals.dissipated,
+                Sink::None => {}
+            }
+        }
+        books
+    }
 }
 
 /// What the last step of an integrator that iterates took.

@@ -121,6 +121,7 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
         };
         let blocks: u64 = body.groups.iter().map(|g| chunks(g.range.clone()).count() as u64).sum();
         work.steps += 1;
+        work.frozen_contacts += self.effects.iter().map(|e| e.frozen()).sum::<u64>();
         work.particle_steps += body.len() as u64;
         work.law_blocks += blocks * u64::from(self.convergence.iterations() + 1);
         let (growths, high) = self.nodes.growth();

@@ -10,7 +10,7 @@ use std::time::Instant;
 use crate::{
     assembly::{Scratch, response::Kept},
     body::Body,
-    effect::{Clock, Effect, Inertia, Sink, TimeScheme},
+    effect::{Clock, Effect, Inertia, TimeScheme},
     fault::Fault,
     math::{
         linear::{Options, Solver},
@@ -186,17 +186,7 @@ impl<S: Shape<N>, const N: usize> Integrator for Implicit<S, N> {
     }
 
     fn books(&self) -> Books {
-        let mut books = Books { plastic: self.plastic, ..Books::default() };
-        for effect in &self.effects {
-            let totals = effect.ledger().totals();
-            books.effects.add(&totals);
-            match effect.sink() {
-                Sink::Friction => books.friction += totals.dissipated,
-                Sink::Damping => books.damping += totals.dissipated,
-                Sink::None => {}
-            }
-        }
-        books
+        Books::of(&self.effects, self.plastic)
     }
 
     fn bytes(&self) -> usize {

@@ -126,7 +126,7 @@ fn plain(regime: Regime) -> Setting {
     Setting { regime, smooth: false, effects: Vec::new() }
 }
 
-/// A bound ten times below what the issue of the tangent asks for, at which every branch passes.
+/// The error of the differences (see [`tangent_error`]), as a share of the largest entry.
 const TOLERANCE: f64 = 1e-8;
 
 #[test]
