@@ -1,3 +1,7 @@
-//! Random fields. So far: the streams of random numbers that fields will draw from.
+//! Random fields: streams of random numbers, correlations, and generators of local averages.
 
+pub mod correlation;
+pub mod normals;
+mod quadrature;
 pub mod stream;
+pub mod table;

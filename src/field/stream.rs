@@ -4,6 +4,8 @@ use rand_chacha::{
     ChaCha8Rng,
     rand_core::{Rng, SeedableRng},
 };
+use rand_distr::{Distribution, StandardNormal};
+use sha2::{Digest, Sha256};
 
 /// What a stream is for. Streams of different purposes never overlap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -11,6 +13,8 @@ use rand_chacha::{
 pub enum Purpose {
     /// Tiny changes of strength (`jitter`).
     Jitter = 1,
+    /// Random fields; each has its name besides.
+    Field = 2,
 }
 
 /// An endless stream of numbers, the same for the same (seed, realisation, purpose).
@@ -19,12 +23,32 @@ pub struct Stream(ChaCha8Rng);
 impl Stream {
     /// The stream of a realisation.
     pub fn new(master: u64, realisation: u64, purpose: Purpose) -> Self {
+        Stream::keyed(master, realisation, purpose, [0; 16])
+    }
+
+    /// The stream of a realisation of the field of that name.
+    pub fn of_field(master: u64, realisation: u64, name: &str) -> Self {
+        let digest: [u8; 32] = Sha256::digest(name.as_bytes()).into();
+        let mut tag = [0; 16];
+        tag.copy_from_slice(&digest[..16]);
+        Stream::keyed(master, realisation, Purpose::Field, tag)
+    }
+
+    /// Key: 8 bytes of the seed, the purpose, and the tag in the last 16.
+    fn keyed(master: u64, realisation: u64, purpose: Purpose, tag: [u8; 16]) -> Self {
         let mut key = [0u8; 32];
         key[..8].copy_from_slice(&master.to_le_bytes());
         key[8] = purpose as u8;
+        key[16..].copy_from_slice(&tag);
         let mut rng = ChaCha8Rng::from_seed(key);
         rng.set_stream(realisation);
         Stream(rng)
+    }
+
+    /// Standard normal.
+    #[inline]
+    pub fn normal(&mut self) -> f64 {
+        StandardNormal.sample(&mut self.0)
     }
 
     /// Uniform on [0, 1), 53 bits.
