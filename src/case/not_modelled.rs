@@ -84,26 +84,25 @@ const ABSENT: &[Absent] = &[
         instead: "`damping.viscous` damps the motion as a whole",
     },
     Absent {
+        words: &["random_field", "fields"],
+        why: "a random field is a table with a name of your own",
+        instead: "write [field.strength] with `material`, `parameters`, `variation`, `theta_h` and `theta_v`",
+    },
+    Absent {
+        words: &["correlation_length", "scale_of_fluctuation", "coefficient_of_variation"],
+        why: "a field has scales of fluctuation `theta_h` and `theta_v`, and V = `variation`",
+        instead: "the scale of an exponential correlation is twice its correlation length",
+    },
+    Absent {
         words: &["thickness", "depth", "z"],
         why: "rmpm works in plane strain: all is per metre of width",
         instead: "leave the key out",
     },
 ];
 
-/// What is planned but not there.
-const LATER: &[Absent] = &[Absent {
-    words: &["field", "random_field", "correlation_length", "coefficient_of_variation"],
-    why: "strengths are uniform in each material",
-    instead: "a tiny random change of strength is `jitter.strength`",
-}];
-
 /// The refusal for a word that names something left out.
 pub(super) fn problem(word: &str) -> Option<Problem> {
     let word = word.to_lowercase();
-    refusal(ABSENT, &word, "not modelled").or_else(|| refusal(LATER, &word, "not in this version yet"))
-}
-
-fn refusal(list: &[Absent], word: &str, verdict: &str) -> Option<Problem> {
-    let absent = list.iter().find(|absent| absent.words.contains(&word))?;
-    Some(Problem::new(format!("`{word}` is {verdict}"), absent.why).help(absent.instead))
+    let absent = ABSENT.iter().find(|absent| absent.words.contains(&word.as_str()))?;
+    Some(Problem::new(format!("`{word}` is not modelled"), absent.why).help(absent.instead))
 }

@@ -9,7 +9,7 @@ use crate::{
     math::simd::FpPath,
     measure::summary::Measures,
     run::{Outcome, Status},
-    scene::{EffectNote, Scene, Warning},
+    scene::{EffectNote, FieldNote, Scene, Warning},
     step::Event,
     work::Work,
 };
@@ -35,6 +35,9 @@ pub struct Record {
     pub kinematics: case::Kinematics,
     pub shape: case::ShapeFunctions,
     pub seed: u64,
+    pub realisation: u64,
+    /// The random fields of this realisation.
+    pub fields: Vec<FieldNote>,
     pub effects: Vec<EffectNote>,
     pub dt_s: Value,
     pub outcome: Ending,
@@ -112,6 +115,8 @@ pub fn record(case: &Case, source: &Source, scene: &Scene, outcome: &Outcome) ->
         kinematics: case.solver.kinematics,
         shape: case.solver.shape,
         seed: case.seed,
+        realisation: case.ensemble.realisation,
+        fields: scene.fields.clone(),
         effects: scene.effects.clone(),
         dt_s: json!({ "min": outcome.dt.min, "mean": outcome.dt.mean, "max": outcome.dt.max }),
         outcome: Ending { status: outcome.status, time_s: outcome.time, message: outcome.message.clone() },

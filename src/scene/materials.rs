@@ -1,5 +1,6 @@
 //! Laws, their parameters, and the stress at the start.
 
+use super::{SceneError, refuse};
 use crate::{
     block::{Law, PointLaw},
     body::Column,
@@ -40,38 +41,73 @@ fn measure(m: case::StrengthMeasure) -> StrengthMeasure {
     }
 }
 
-/// Parameter columns of a material's points; `first` is the identity of the first of them.
-pub fn columns(case: &Case, material: &case::Material, first: usize, n: usize) -> Vec<Column> {
-    let e = material.elastic();
-    let elasticity = Elasticity::from_young(e.young_modulus, e.poisson_ratio);
-    match material {
-        case::Material::Elastic { .. } => uniform(&elasticity),
-        case::Material::VonMises { strength: s, .. } => {
-            let mut columns = uniform(&Strength {
-                elasticity,
-                cohesion: s.cohesion,
-                residual_cohesion: s.residual_cohesion,
-                softening_modulus: s.softening_modulus,
-                yield_constant: s.yield_constant,
-            });
-            if case.jitter.strength > 0.0 {
-                let factors = jitter(case, first, n);
-                columns[2] = Column::Varying(factors.iter().map(|f| f * s.cohesion).collect());
-                columns[3] = Column::Varying(factors.iter().map(|f| f * s.residual_cohesion).collect());
-            }
-            columns
+/// Parameter columns of points whose materials are given, one a point. `first` is the identity of the first.
+///
+/// # Errors
+/// A point whose strength would drop faster than its stress.
+pub fn columns(case: &Case, points: &[case::Material], first: usize) -> Result<Vec<Column>, SceneError> {
+    match points.first() {
+        None => Ok(Vec::new()),
+        Some(case::Material::Elastic { .. }) => Ok(gather(points.iter().map(|m| elasticity(m.elastic())))),
+        Some(case::Material::VonMises { .. }) => {
+            let factors = jitter(case, first, points.len());
+            let params: Vec<Strength> = points.iter().zip(factors).filter_map(|(m, f)| strength(m, f)).collect();
+            params.iter().try_for_each(check_softening)?;
+            Ok(gather(params.into_iter()))
         }
     }
 }
 
-fn uniform<P: Columns>(params: &P) -> Vec<Column> {
-    let mut columns = vec![Column::Uniform(0.0); P::NAMES.len()];
-    params.write(|k, v| columns[k] = Column::Uniform(v));
-    columns
+fn elasticity(e: &case::Elastic) -> Elasticity {
+    Elasticity::from_young(e.young_modulus, e.poisson_ratio)
+}
+
+fn strength(material: &case::Material, factor: f64) -> Option<Strength> {
+    let case::Material::VonMises { elastic, strength: s } = material else { return None };
+    Some(Strength {
+        elasticity: elasticity(elastic),
+        cohesion: factor * s.cohesion,
+        residual_cohesion: factor * s.residual_cohesion,
+        softening_modulus: s.softening_modulus,
+        yield_constant: s.yield_constant,
+    })
+}
+
+/// The return to the yield surface exists while 3G + k f H > 0, f being the factor on the strength; half as
+/// much again as the initial volume is allowed for. The case is checked for its means, a field's values here.
+fn check_softening(p: &Strength) -> Result<(), SceneError> {
+    let least = -3.0 * p.elasticity.shear_modulus / (1.5 * p.yield_constant);
+    if p.softening_modulus > least {
+        return Ok(());
+    }
+    let (h, g) = (p.softening_modulus, p.elasticity.shear_modulus);
+    Err(refuse(
+        "field",
+        format!(
+            "a point has softening_modulus = {h:.4} kPa with a shear modulus of {g:.4} kPa: the strength would drop faster than the stress; lower the variation of the fields"
+        ),
+    ))
+}
+
+/// One column a parameter; uniform where all points have the same value.
+fn gather<P: Columns>(params: impl Iterator<Item = P>) -> Vec<Column> {
+    let mut columns = vec![Vec::new(); P::NAMES.len()];
+    params.for_each(|p| p.write(|k, v| columns[k].push(v)));
+    columns.into_iter().map(column).collect()
+}
+
+fn column(values: Vec<f64>) -> Column {
+    match values.first() {
+        Some(&first) if values.iter().any(|v| *v != first) => Column::Varying(values),
+        first => Column::Uniform(first.copied().unwrap_or(0.0)),
+    }
 }
 
 /// Factors 1 + jitter U(-1, 1) on the strength of the points `first` to `first + n`.
 fn jitter(case: &Case, first: usize, n: usize) -> Vec<f64> {
+    if case.jitter.strength == 0.0 {
+        return vec![1.0; n];
+    }
     let mut stream = Stream::new(case.seed, case.jitter.realisation, Purpose::Jitter);
     let factors = std::iter::repeat_with(|| 1.0 + case.jitter.strength * stream.symmetric());
     factors.skip(first).take(n).collect()

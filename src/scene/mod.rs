@@ -1,22 +1,27 @@
 //! From a case to a simulation: every choice is made here, once.
 
 mod effects;
+pub mod fields;
 mod materials;
 mod notes;
 mod schemes;
 mod warnings;
 
+pub use fields::{FieldNote, Fields};
 pub use notes::{EffectNote, explain};
 pub use warnings::Warning;
 
 use std::fmt;
 
+use fields::Varied;
+
 use crate::{
     block::Law,
     body::{Body, GroupSeed, Seedling},
     case::{self, Case},
+    field::model::Drawn,
     math::outline::Outline,
-    seed::{CutRule, Seeding, seed},
+    seed::{CutRule, Seed, Seeding, seed},
     sim::{InSitu, Simulation},
     space::{Gimp, GimpWide, Grid, Linear, Shape, gauss},
     step::{Integrator, control::Control, explicit::Explicit, implicit::Implicit},
@@ -56,10 +61,18 @@ pub struct Scene {
     pub materials: Vec<String>,
     /// What the user should know before the run.
     pub warnings: Vec<Warning>,
+    /// The random fields of this realisation.
+    pub fields: Vec<FieldNote>,
 }
 
 /// Builds the scene of a case, unless it would take more than `max_memory` bytes.
 pub fn build(case: &Case, max_memory: u64) -> Result<Scene, SceneError> {
+    build_with(case, max_memory, &Fields::of(case)?)
+}
+
+/// As [`build`], with the generators of the fields made before: [`Fields::of`] the same case, whatever its
+/// realisation.
+pub fn build_with(case: &Case, max_memory: u64, fields: &Fields) -> Result<Scene, SceneError> {
     let need = case.memory_estimate_bytes();
     if need > max_memory {
         return Err(too_large(need, max_memory));
@@ -74,13 +87,16 @@ pub fn build(case: &Case, max_memory: u64) -> Result<Scene, SceneError> {
     check_regions(case, &seeding)?;
     check_initial_stress(case)?;
     check_scheme(case)?;
-    let mut body = body(case, &outlines, &seeding)?;
+    let drawn = fields.draw(case)?;
+    let (mut body, limited) = body(case, &outlines, &seeding, &drawn)?;
     let (integrator, control) = integrator(case, grid, &mut body)?;
     let (in_situ, body) = in_situ(case, body);
     let mut simulation = Simulation::new(body, integrator, control, in_situ);
     simulation.work.cells = seeding.cells;
-    let warnings = warnings::list(case, &mut simulation);
+    let mut warnings = warnings::list(case, &mut simulation);
+    warnings.extend(warnings::limited(limited));
     Ok(Scene {
+        fields: fields::notes(case, fields, &drawn),
         effects: notes::list(case, &simulation),
         simulation,
         grid,
@@ -224,30 +240,32 @@ fn prepare<S: Shape<N>, const N: usize>(grid: Grid, body: &mut Body) -> Result<(
     Ok(())
 }
 
-/// One group of points for each material, in the order of the materials' names.
-fn body(case: &Case, outlines: &[Outline], seeding: &Seeding) -> Result<Body, SceneError> {
+/// One group of points for each material, in the order of the materials' names; with the number of
+/// parameter values that stopped at a limit.
+fn body(case: &Case, outlines: &[Outline], seeding: &Seeding, drawn: &[Drawn]) -> Result<(Body, u64), SceneError> {
     let mut groups = Vec::new();
-    let mut first = 0;
+    let (mut first, mut limited) = (0, 0);
     for (index, (name, material)) in case.material.iter().enumerate() {
-        let used = |s: &&crate::seed::Seed| &case.region[s.region].material == name;
-        let points: Vec<Seedling> = seeding.points.iter().filter(used).map(|s| seedling(case, outlines, s)).collect();
-        if points.is_empty() {
-            continue;
-        }
-        let law = materials::law(material, case.solver.kinematics);
-        let params = materials::columns(case, material, first, points.len());
-        first += points.len();
-        groups.push(GroupSeed { material: index as u16, law, params, points });
+        let seeds: Vec<&Seed> = seeding.points.iter().filter(|s| &case.region[s.region].material == name).collect();
+        let Some(varied) = Varied::new(case, name, drawn).filter(|_| !seeds.is_empty()) else { continue };
+        let (points, stopped): (Vec<case::Material>, Vec<u64>) = seeds.iter().map(|s| varied.at(s.x)).unzip();
+        limited += stopped.iter().sum::<u64>();
+        groups.push(GroupSeed {
+            material: index as u16,
+            law: materials::law(material, case.solver.kinematics),
+            params: materials::columns(case, &points, first)?,
+            points: seeds.iter().zip(&points).map(|(s, m)| seedling(case, outlines, s, m)).collect(),
+        });
+        first += seeds.len();
     }
-    Ok(Body::new(groups))
+    Ok((Body::new(groups), limited))
 }
 
-fn seedling(case: &Case, outlines: &[Outline], seed: &crate::seed::Seed) -> Seedling {
-    let region = &case.region[seed.region];
-    let density = case.material[&region.material].elastic().unit_weight / case.gravity.acceleration;
+fn seedling(case: &Case, outlines: &[Outline], seed: &Seed, material: &case::Material) -> Seedling {
+    let density = material.elastic().unit_weight / case.gravity.acceleration;
     Seedling {
         x: seed.x,
-        v: initial_velocity(region, seed.x),
+        v: initial_velocity(&case.region[seed.region], seed.x),
         mass: density * seed.volume,
         volume: seed.volume,
         stress: materials::initial_stress(case, outlines, seed.x),

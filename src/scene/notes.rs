@@ -218,9 +218,16 @@ fn viscous_damping(case: &Case, node: f64) -> EffectNote {
 fn random_strength(case: &Case, simulation: &Simulation) -> EffectNote {
     let varying = simulation.body.groups.iter().flat_map(|g| &g.params);
     let columns = varying.filter(|c| matches!(c, Column::Varying(_))).count();
-    match columns {
-        0 => note("random_strength", false, "jitter.strength = 0".into(), 0.0),
-        n => note("random_strength", true, format!("jitter.strength = {}", case.jitter.strength), 8.0 * n as f64),
+    let fields = case
+        .field
+        .iter()
+        .filter(|(_, f)| f.variation > 0.0)
+        .map(|(name, f)| format!("field.{name}.variation = {}", f.variation));
+    let jitter = (case.jitter.strength > 0.0).then(|| format!("jitter.strength = {}", case.jitter.strength));
+    let why: Vec<String> = fields.chain(jitter).collect();
+    match why.is_empty() {
+        true => note("random_strength", false, "no [field.NAME] varies and jitter.strength = 0".into(), 0.0),
+        false => note("random_strength", true, why.join(", "), 8.0 * columns as f64),
     }
 }
 

@@ -38,6 +38,16 @@ pub fn list(case: &Case, simulation: &mut Simulation) -> Vec<Warning> {
     found.into_iter().flatten().collect()
 }
 
+/// Values of random fields that stopped at a limit of their parameter.
+pub fn limited(points: u64) -> Option<Warning> {
+    (points > 0).then(|| {
+        let text = format!(
+            "{points} values of the fields stopped at a limit (residual strength at the peak strength, Poisson's ratio at +-0.49)"
+        );
+        Warning::new("limited_values", "field", text)
+    })
+}
+
 /// Small strain draws any displacement, and means only small ones.
 fn small_strain(case: &Case) -> Option<Warning> {
     (case.solver.kinematics == crate::case::Kinematics::Small).then(|| {

@@ -1,6 +1,8 @@
 //! The tables of a case file, one reader each.
 
 mod boundary;
+mod ensemble;
+mod field;
 mod gravity;
 mod grid;
 mod implicit;
@@ -51,7 +53,9 @@ fn tables(log: &Log, keys: &mut Keys<'_>) -> Option<Case> {
     let regions = region::regions(keys);
     let load = load::loads(keys);
     let drive = load::drives(keys);
+    let ensemble = ensemble::ensemble(keys);
     let outlines = regions.as_deref().and_then(region::outlines);
+    let field = field::fields(keys, materials.as_ref(), regions.as_deref());
     let slide = slide::slide(keys, outlines.as_deref());
     check::regions(log, grid.as_ref(), materials.as_ref(), regions.as_deref());
     let cell_at = grid.as_ref()?.cell_at;
@@ -75,6 +79,8 @@ fn tables(log: &Log, keys: &mut Keys<'_>) -> Option<Case> {
         region: regions?.into_iter().map(|region| region.value).collect::<Option<_>>()?,
         load: load?,
         drive: drive?,
+        ensemble: ensemble?,
+        field: field?,
     };
     check::size(log, cell_at, &case).then_some(case)
 }
