@@ -16,6 +16,7 @@ mod overrides;
 mod parse;
 mod section;
 mod source;
+mod study;
 mod suggest;
 mod template;
 #[cfg(test)]
@@ -25,6 +26,7 @@ mod tree;
 mod types;
 
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
+pub use study::{Arm, Expectation, Study, read_study};
 pub use template::{TEMPLATES, template};
 pub use types::*;
 
