@@ -71,11 +71,10 @@ fn schemes(args: &Schemes) -> Result<(), Failure> {
         steps: args.dt.clone(),
         jitter: args.jitter,
         max_memory: args.case.max_memory,
+        threads: args.jobs.unwrap_or(0),
         limits: Limits { interrupt: Some(interrupt::flag()), time_limit: None },
     };
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(args.jobs.unwrap_or(0)).build();
-    let pool = pool.map_err(|e| Failure::Input(format!("--jobs: {e}")))?;
-    let study = pool.install(|| compare::compare(&plan, &case, &runs_bar())).map_err(Failure::Input)?;
+    let study = compare::compare(&plan, &case, &runs_bar(false)).map_err(Failure::Input)?;
     let json = serde_json::to_string_pretty(&study).map_err(|e| write(e.into()))?;
     folder::write_text(&out.join("compare.json"), &(json.clone() + "\n")).map_err(write)?;
     folder::write_text(&out.join("compare.csv"), &compare::csv(&study).map_err(write)?).map_err(write)?;

@@ -55,9 +55,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         runs: args.runs as usize,
         jitter: args.jitter,
         max_memory: args.case.max_memory,
+        threads: args.jobs.unwrap_or(0),
         limits: Limits { interrupt: Some(interrupt::flag()), time_limit: None },
     };
-    let study = in_pool(args.jobs, || converge::converge(&plan, &runs_bar()))?.map_err(Failure::Input)?;
+    let study = converge::converge(&plan, &runs_bar(false)).map_err(Failure::Input)?;
     let json = serde_json::to_string_pretty(&study).map_err(|e| write(e.into()))?;
     folder::write_text(&out.join("converge.json"), &(json.clone() + "\n")).map_err(write)?;
     draw(&out, &case, &study).map_err(write)?;
@@ -75,11 +76,6 @@ fn variants(vary: &[Vec<Variant>], case: &Case) -> Vec<Variant> {
         return converge::usual_variants(case.grid.cell, case.points.per_axis);
     }
     std::iter::once(Variant::base()).chain(vary.iter().flatten().cloned()).collect()
-}
-
-fn in_pool<R: Send>(jobs: Option<usize>, work: impl FnOnce() -> R + Send) -> Result<R, Failure> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs.unwrap_or(0)).build();
-    Ok(pool.map_err(|e| Failure::Input(format!("--jobs: {e}")))?.install(work))
 }
 
 fn draw(out: &Path, case: &Case, study: &Study) -> std::io::Result<()> {

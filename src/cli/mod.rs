@@ -3,10 +3,12 @@
 mod check;
 mod compare;
 mod converge;
+mod ensemble;
 mod exit;
 mod explain;
 mod input;
 mod interrupt;
+mod merge;
 mod new;
 mod plot;
 mod progress;
@@ -38,6 +40,10 @@ enum Verb {
     Explain(explain::Args),
     /// Run a case and leave record, history, frames and pictures in a folder
     Solve(solve::Args),
+    /// Run many realisations of a random case, each safe as soon as it is done, and sum them up
+    Ensemble(ensemble::Args),
+    /// Put the shards of an ensemble together
+    Merge(merge::Args),
     /// How an answer depends on mesh, points or any key: median and spread of jittered runs
     Converge(converge::Args),
     /// Compare the explicit with the implicit scheme on one case
@@ -61,6 +67,8 @@ pub fn main() -> ExitCode {
         Verb::Check(args) => check::run(&args),
         Verb::Explain(args) => explain::run(&args),
         Verb::Solve(args) => solve::run(&args),
+        Verb::Ensemble(args) => ensemble::run(&args),
+        Verb::Merge(args) => merge::run(&args),
         Verb::Converge(args) => converge::run(&args),
         Verb::Compare(args) => compare::run(&args),
         Verb::Validate(args) => validate::run(&args),

@@ -46,9 +46,10 @@ impl Progress {
     }
 }
 
-/// A bar over the runs of a study: told how many of how many are done.
-pub fn runs_bar() -> impl Fn(usize, usize) + Sync {
-    let bar = ProgressBar::new(0);
+/// A bar over the runs of a study: told how many of how many are done. Silent if not wanted or not a
+/// terminal.
+pub fn runs_bar(quiet: bool) -> impl Fn(usize, usize) {
+    let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(0) };
     if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos} of {len} runs, {eta} left") {
         bar.set_style(style);
     }

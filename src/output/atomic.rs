@@ -35,6 +35,22 @@ where
     writer.flush()
 }
 
+/// Removes the temporary files that a killed program has left in a folder which no other writes to.
+///
+/// # Errors
+/// Those of the file system.
+pub fn sweep(folder: &Path) -> io::Result<()> {
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        if name.starts_with('.') && name.ends_with(".tmp") {
+            fs::remove_file(entry.path())?;
+        }
+    }
+    Ok(())
+}
+
 /// A name beside `path` that no other thread or process writes to.
 fn temporary_name(path: &Path) -> io::Result<PathBuf> {
     static COUNTER: AtomicU64 = AtomicU64::new(0);

@@ -1,6 +1,6 @@
 //! `record.json`, which is deterministic, and `timing.json`, which holds what is not.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use crate::{
@@ -50,22 +50,22 @@ pub struct Record {
 }
 
 /// The program that ran.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Build {
-    pub version: &'static str,
-    pub commit: &'static str,
-    pub rustc: &'static str,
-    pub fp_path: &'static str,
+    pub version: String,
+    pub commit: String,
+    pub rustc: String,
+    pub fp_path: String,
 }
 
 impl Build {
     /// Of this program.
     pub fn current() -> Self {
         Build {
-            version: env!("CARGO_PKG_VERSION"),
-            commit: env!("RMPM_COMMIT"),
-            rustc: env!("RMPM_RUSTC"),
-            fp_path: FpPath::NAME,
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            commit: env!("RMPM_COMMIT").to_owned(),
+            rustc: env!("RMPM_RUSTC").to_owned(),
+            fp_path: FpPath::NAME.to_owned(),
         }
     }
 }

@@ -2,15 +2,9 @@
 //! as the median and spread of runs whose strength is jittered by a hair. After failure a slope
 //! is chaotic, so single runs cannot be compared.
 
-use std::sync::{
-    Mutex,
-    atomic::{AtomicUsize, Ordering},
-};
-
-use rayon::prelude::*;
 use serde::Serialize;
 
-use super::variant::Variant;
+use super::{variant::Variant, workers};
 use crate::{
     case::{self, Case},
     fault::Fault,
@@ -35,6 +29,8 @@ pub struct Plan {
     /// Largest relative change of strength.
     pub jitter: f64,
     pub max_memory: u64,
+    /// Runs at a time; 0 is one a core.
+    pub threads: usize,
     /// What may end the runs early; those that it ends are counted as not at rest.
     pub limits: Limits<'static>,
 }
@@ -108,23 +104,12 @@ pub fn usual_variants(cell: f64, per_axis: usize) -> Vec<Variant> {
 ///
 /// # Errors
 /// The first variant that cannot be read or built, with its message.
-pub fn converge(plan: &Plan, progress: &(dyn Fn(usize, usize) + Sync)) -> Result<Study, String> {
+pub fn converge(plan: &Plan, progress: &dyn Fn(usize, usize)) -> Result<Study, String> {
     plan.variants.iter().try_for_each(|v| prepare(plan, v, 0).map(drop))?;
     let jobs: Vec<(usize, u64)> =
         (0..plan.variants.len()).flat_map(|v| (0..plan.runs as u64).map(move |k| (v, k))).collect();
-    let (done, problem) = (AtomicUsize::new(0), Mutex::new(None));
-    let results: Vec<Option<(u64, Run)>> = jobs
-        .par_iter()
-        .map(|&(v, k)| {
-            let result = one(plan, &plan.variants[v], k);
-            progress(done.fetch_add(1, Ordering::Relaxed) + 1, jobs.len());
-            result.map_err(|e| problem.lock().map(|mut p| p.get_or_insert(e).len())).ok()
-        })
-        .collect();
-    if let Ok(Some(text)) = problem.into_inner() {
-        return Err(text);
-    }
-    let mut runs = results.into_iter().flatten();
+    let results = workers::all(plan.threads, &jobs, progress, &|&(v, k)| one(plan, &plan.variants[v], k))?;
+    let mut runs = results.into_iter();
     let mut rows: Vec<Row> = plan.variants.iter().map(|v| row(v, runs.by_ref().take(plan.runs).collect())).collect();
     note_changes(&mut rows);
     Ok(Study {

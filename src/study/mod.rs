@@ -1,6 +1,9 @@
 //! Studies: many runs to answer one question.
 
+mod clock;
 pub mod compare;
 pub mod converge;
+pub mod ensemble;
 pub mod validate;
 pub mod variant;
+mod workers;

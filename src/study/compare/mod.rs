@@ -1,7 +1,6 @@
 //! `rmpm compare schemes`: the explicit and the implicit scheme on one case, with the same schedule
 //! and the same strength measure, each as the median of jittered runs.
 
-mod clock;
 mod figures;
 pub mod onset;
 pub mod picture;
@@ -16,14 +15,9 @@ pub use single::Run;
 pub use table::{csv, table};
 pub use variants::{Entry, Group};
 
-use std::sync::{
-    Mutex,
-    atomic::{AtomicUsize, Ordering},
-};
-
-use rayon::prelude::*;
 use serde::Serialize;
 
+use super::workers;
 use crate::{
     case::{self, Case},
     output::record::{Build, SCHEMA_VERSION},
@@ -47,6 +41,8 @@ pub struct Plan {
     /// Largest relative change of strength.
     pub jitter: f64,
     pub max_memory: u64,
+    /// Runs at a time; 0 is one a core.
+    pub threads: usize,
     /// What may end the runs early.
     pub limits: Limits<'static>,
 }
@@ -70,7 +66,7 @@ pub struct Study {
 ///
 /// # Errors
 /// The first variant that cannot be read or built, with its message.
-pub fn compare(plan: &Plan, case: &Case, progress: &(dyn Fn(usize, usize) + Sync)) -> Result<Study, String> {
+pub fn compare(plan: &Plan, case: &Case, progress: &dyn Fn(usize, usize)) -> Result<Study, String> {
     let entries = variants::entries(case, &plan.steps, plan.runs, plan.sweep);
     entries.iter().try_for_each(|e| prepare(plan, &e.overrides, 0).map(drop).map_err(|t| told(e, &t)))?;
     let full = onset::crest_weight(case);
@@ -78,21 +74,11 @@ pub fn compare(plan: &Plan, case: &Case, progress: &(dyn Fn(usize, usize) + Sync
     let most = entries.iter().map(|e| e.count).max().unwrap_or(0);
     let jobs: Vec<(u64, &Entry)> =
         (0..most).flat_map(|k| entries.iter().filter(move |e| k < e.count).map(move |e| (k as u64, e))).collect();
-    let (done, problem) = (AtomicUsize::new(0), Mutex::new(None));
-    let results: Vec<Option<Run>> = jobs
-        .par_iter()
-        .with_max_len(1)
-        .map(|&(k, entry)| {
-            let result = one(plan, entry, full, k);
-            progress(done.fetch_add(1, Ordering::Relaxed) + 1, jobs.len());
-            let run = result.map_err(|e| problem.lock().map(|mut p| p.get_or_insert(told(entry, &e)).len())).ok();
-            // a run that was cut short says nothing
-            run.filter(|r| r.status != Status::Interrupted)
-        })
-        .collect();
-    if let Ok(Some(text)) = problem.into_inner() {
-        return Err(text);
-    }
+    let results = workers::all(plan.threads, &jobs, progress, &|&(k, entry)| {
+        let run = one(plan, entry, full, k).map_err(|e| told(entry, &e))?;
+        // a run that was cut short says nothing
+        Ok(Some(run).filter(|r| r.status != Status::Interrupted))
+    })?;
     let mut pool: Vec<(&Entry, Run)> = jobs.iter().zip(results).filter_map(|((_, e), r)| Some((*e, r?))).collect();
     let rows = entries.iter().map(|e| Row::new(e.clone(), taken(&mut pool, e))).collect();
     Ok(study(plan, case, rows))

@@ -3,7 +3,6 @@
 
 use serde::Serialize;
 
-use super::clock;
 use crate::{
     case::{Case, GravitySchedule, InitialStress, Material},
     fault::Fault,
@@ -11,6 +10,7 @@ use crate::{
     run::Limits,
     scene::Scene,
     sim::Simulation,
+    study::clock,
     work::Work,
 };
 

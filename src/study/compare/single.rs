@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{clock, onset::Onset};
+use super::onset::Onset;
 use crate::{
     case::Case,
     fault::Fault,
@@ -11,6 +11,7 @@ use crate::{
     sim::Energies,
     snapshot::Snapshot,
     step::Event,
+    study::clock,
     work::Work,
 };
 

@@ -1,0 +1,238 @@
+//! `rmpm ensemble`: many realisations of a random case, each a row that is safe as soon as it is done.
+//!
+//! Realisations go to threads in order; which thread did one, in how many sessions, on how many
+//! machines, leaves no trace in `ensemble.csv` and `summary.json`.
+
+mod folder;
+mod journal;
+mod measures;
+pub mod merge;
+mod realise;
+mod results;
+mod row;
+mod summary;
+mod tables;
+#[cfg(test)]
+mod tests;
+mod text;
+mod timing;
+mod until;
+
+pub use folder::Start;
+pub use realise::{Shard, is_random};
+pub use results::Results;
+pub use summary::Summary;
+pub use text::text;
+pub use timing::{Spent, Timing};
+pub use until::{Rule, Statistic};
+
+use std::{
+    collections::BTreeMap,
+    fmt, io,
+    ops::ControlFlow,
+    path::Path,
+    sync::atomic::{AtomicBool, Ordering},
+    time::{Duration, Instant},
+};
+
+use serde::Serialize;
+
+use super::workers;
+use crate::{
+    case::Case,
+    output::{
+        folder::write_text,
+        record::{Build, SCHEMA_VERSION, cpu_seconds},
+    },
+    run::Limits,
+    scene,
+};
+use journal::{Journal, Session};
+use realise::Draw;
+use row::{Done, run_draw};
+use until::decide;
+
+/// What is run.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    pub case: Case,
+    /// First realisation, and how many over all shards.
+    pub first: u64,
+    pub realisations: u64,
+    pub shard: Shard,
+    /// When to stop earlier; only with all realisations in one place.
+    pub until: Option<Rule>,
+    pub start: Start,
+    /// Realisations at a time; 0 is one a core.
+    pub threads: usize,
+    pub max_memory: u64,
+    /// Wall time after which none is begun any more.
+    pub time_limit: Option<Duration>,
+    /// Set to finish those under way and begin no more, and to abandon those under way.
+    pub stop: &'static AtomicBool,
+    pub abandon: &'static AtomicBool,
+}
+
+/// Why an ensemble cannot be run, gone on with or merged.
+#[derive(Debug)]
+pub enum Problem {
+    /// Bad input, with what to do.
+    Refused(String),
+    /// It takes more memory than it may.
+    TooLarge(String),
+    /// Reading or writing failed.
+    Io(io::Error),
+}
+
+impl From<io::Error> for Problem {
+    fn from(error: io::Error) -> Self {
+        Problem::Io(error)
+    }
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Problem::Refused(text) | Problem::TooLarge(text) => f.write_str(text),
+            Problem::Io(error) => error.fmt(f),
+        }
+    }
+}
+
+/// What the files hold that are not tables.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    pub summary: Summary,
+    pub timing: Timing,
+}
+
+/// An ensemble as far as it has come.
+#[derive(Clone, Debug)]
+pub struct Ended {
+    pub results: Results,
+    pub report: Report,
+}
+
+/// Who is told how an ensemble goes.
+pub struct Watch<'a> {
+    /// How many of how many draws of this session are done.
+    pub progress: &'a dyn Fn(usize, usize),
+    /// What the user should know at once.
+    pub note: &'a dyn Fn(&str),
+}
+
+/// Runs what is not done yet, into a claimed folder. An ensemble that was stopped leaves its files too.
+///
+/// # Errors
+/// A case that is not random or cannot be built, a folder that holds something else; those of the
+/// file system, with all rows done so far kept.
+pub fn ensemble(plan: &Plan, out: &Path, watch: &Watch) -> Result<Ended, Problem> {
+    let (began, cpu) = (Instant::now(), cpu_seconds());
+    check(plan)?;
+    let session = session(plan);
+    let (mut journal, known, notes) = folder::open(out, &session, plan.start)?;
+    notes.iter().for_each(|text| (watch.note)(text));
+    write_text(&out.join("case.toml"), &resolved(&plan.case))?;
+    let mut done = known.done;
+    let mut spent = Spent { threads: 0, ..Spent::default() };
+    work(plan, &session, &mut journal, &mut done, &mut spent, watch)?;
+    spent.wall_s = began.elapsed().as_secs_f64();
+    spent.cpu_s = cpu_seconds().zip(cpu).map(|(b, a)| b - a);
+    let results = Results::new(&plan.case, &session, plan.until.as_ref(), &done);
+    let report = write(out, &results, &spent)?;
+    if results.complete() {
+        journal.finish()?;
+    }
+    Ok(Ended { results, report })
+}
+
+fn check(plan: &Plan) -> Result<(), Problem> {
+    let refuse = |text: &str| Err(Problem::Refused(text.to_owned()));
+    if !is_random(&plan.case) {
+        return refuse("nothing in the case is random: set `jitter.strength`, or run `rmpm solve`");
+    }
+    if plan.until.is_some() && plan.shard != Shard::WHOLE {
+        return refuse("a shard does not see all realisations: `ensemble.until` cannot be used with --shard");
+    }
+    if plan.first.checked_add(plan.realisations).is_none() {
+        return refuse("--first and the number of realisations are too large");
+    }
+    // what no realisation can do is told before any is begun
+    match scene::build(&realise::realise(&plan.case, Some(plan.first)), plan.max_memory) {
+        Err(e) if e.too_large => Err(Problem::TooLarge(e.to_string())),
+        Err(e) => Err(Problem::Refused(e.to_string())),
+        Ok(_) => Ok(()),
+    }
+}
+
+fn session(plan: &Plan) -> Session {
+    Session {
+        schema_version: SCHEMA_VERSION,
+        case_hash: realise::case_hash(&plan.case),
+        seed: plan.case.seed,
+        build: Build::current(),
+        shard: plan.shard,
+        first: plan.first,
+        realisations: plan.realisations,
+    }
+}
+
+/// The case file of the ensemble.
+fn resolved(case: &Case) -> String {
+    realise::realise(case, Some(0)).to_toml()
+}
+
+/// Runs the draws that are missing; each goes to the journal and to `done`.
+fn work(
+    plan: &Plan,
+    session: &Session,
+    journal: &mut Journal,
+    done: &mut BTreeMap<Draw, Done>,
+    spent: &mut Spent,
+    watch: &Watch,
+) -> io::Result<()> {
+    let enough = |done: &_| plan.until.as_ref().is_some_and(|rule| decide(rule, plan.first, done).reached);
+    // the run at the mean belongs to every ensemble
+    let wanted = |draw: &Draw| !done.contains_key(draw) && (draw.is_none() || !enough(done));
+    let draws: Vec<Draw> = session.draws().filter(wanted).collect();
+    if draws.is_empty() {
+        return Ok(());
+    }
+    let began = Instant::now();
+    let stop = || plan.stop.load(Ordering::Relaxed) || plan.time_limit.is_some_and(|limit| began.elapsed() >= limit);
+    let limits = Limits { interrupt: Some(plan.abandon), time_limit: None };
+    let measures = measures::list(&plan.case);
+    let run = |worker: usize, draw: &Draw| run_draw(&plan.case, *draw, &measures, plan.max_memory, limits, worker);
+    spent.threads = workers::count(plan.threads).min(draws.len());
+    let mut failure = None;
+    workers::hand_out(plan.threads, &draws, &stop, &run, &mut |_, result: Option<Done>| {
+        let Some(row) = result else { return ControlFlow::Break(()) };
+        if let Err(e) = journal.rows([&row].into_iter()) {
+            failure.get_or_insert(e);
+            return ControlFlow::Break(());
+        }
+        spent.draws += 1;
+        spent.busy_s += row.cost.wall_s;
+        done.insert(row.row.realisation, row);
+        (watch.progress)(spent.draws, draws.len());
+        if enough(done) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    })?;
+    spent.working_s = began.elapsed().as_secs_f64();
+    failure.map_or(Ok(()), Err)
+}
+
+/// Writes all files but the journal, each whole or not at all.
+fn write(out: &Path, results: &Results, spent: &Spent) -> io::Result<Report> {
+    let report = Report { summary: summary::summary(results), timing: timing::timing(results, spent) };
+    write_text(&out.join("case.toml"), &resolved(&results.case))?;
+    write_text(&out.join("ensemble.csv"), &tables::csv(results)?)?;
+    write_text(&out.join("ensemble_timing.csv"), &tables::timing_csv(results)?)?;
+    write_json(&out.join("summary.json"), &report.summary)?;
+    write_json(&out.join("timing.json"), &report.timing)?;
+    Ok(report)
+}
+
+fn write_json(path: &Path, value: &impl Serialize) -> io::Result<()> {
+    let text = serde_json::to_string_pretty(value).map_err(io::Error::other)?;
+    write_text(path, &(text + "\n"))
+}
