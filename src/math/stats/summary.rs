@@ -1,4 +1,4 @@
-//! Statistics of small samples.
+//! Quantiles and the summary of a small sample.
 
 /// Quantile `q` in [0, 1] of a sorted sample, with linear interpolation; `None` if empty.
 pub fn quantile(sorted: &[f64], q: f64) -> Option<f64> {
@@ -48,16 +48,6 @@ impl Summary {
     }
 }
 
-/// Least-squares slope of ln(y) over ln(x): the observed order of convergence.
-pub fn log_slope(x: &[f64], y: &[f64]) -> f64 {
-    let n = x.len().min(y.len()) as f64;
-    let (lx, ly): (Vec<f64>, Vec<f64>) = x.iter().zip(y).map(|(a, b)| (a.ln(), b.ln())).unzip();
-    let (mx, my) = (lx.iter().sum::<f64>() / n, ly.iter().sum::<f64>() / n);
-    let sxy: f64 = lx.iter().zip(&ly).map(|(a, b)| (a - mx) * (b - my)).sum();
-    let sxx: f64 = lx.iter().map(|a| (a - mx).powi(2)).sum();
-    sxy / sxx
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -68,12 +58,5 @@ mod tests {
         assert_eq!((s.n, s.mean, s.median, s.min, s.max), (4, 2.5, 2.5, 1.0, 4.0));
         assert!((s.sd - (5.0f64 / 3.0).sqrt()).abs() < 1e-15);
         assert!(Summary::of(&[f64::NAN]).is_none());
-    }
-
-    #[test]
-    fn slope_of_a_power_law() {
-        let x = [1.0, 0.5, 0.25];
-        let y = x.map(|h: f64| 3.0 * h.powi(2));
-        assert!((log_slope(&x, &y) - 2.0).abs() < 1e-12);
     }
 }
