@@ -1,6 +1,7 @@
 //! What a run leaves behind.
 
 pub mod atomic;
+pub mod field;
 pub mod folder;
 pub mod history;
 pub mod pictures;

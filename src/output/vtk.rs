@@ -10,6 +10,7 @@ mod pvd;
 mod read;
 mod write;
 
+pub(super) use pvd::escape;
 pub use pvd::{read_pvd, write_pvd};
 pub use read::read_vtp;
 pub use write::write_vtp;

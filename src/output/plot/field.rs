@@ -162,7 +162,7 @@ fn draw_points(canvas: &mut Canvas, layout: &Layout, frame: Frame, s: &Snapshot,
     raster.draw(canvas, (frame.left, frame.top));
 }
 
-fn draw_axes(canvas: &mut Canvas, layout: &Layout, frame: Frame, last: bool) {
+pub(super) fn draw_axes(canvas: &mut Canvas, layout: &Layout, frame: Frame, last: bool) {
     let view = layout.view;
     let x_axis = Axis::new(view.min[0], view.max[0], Scale::Linear);
     let y_axis = Axis::new(view.min[1], view.max[1], Scale::Linear);

@@ -170,7 +170,8 @@ impl FieldKind {
     }
 }
 
-fn round_outwards(lo: f64, hi: f64) -> (f64, f64) {
+/// The interval widened to round numbers.
+pub(super) fn round_outwards(lo: f64, hi: f64) -> (f64, f64) {
     let span = hi - lo;
     if !(span.is_finite() && span > 1e-6 * lo.abs().max(hi.abs())) {
         return (lo, hi);

@@ -5,6 +5,7 @@
 mod annotate;
 mod axes;
 mod canvas;
+mod cells;
 mod clip;
 mod colour;
 mod field;
@@ -23,6 +24,7 @@ mod ticks;
 mod view;
 
 pub use axes::{AxisSpec, Scale};
+pub use cells::{CellsOptions, cells, range};
 pub use colour::{ColourMap, PALETTE, Rgb};
 pub use field::{Dimension, FieldOptions, field, field_png};
 pub use intervals::{Interval, IntervalPlot, intervals, intervals_png};

@@ -46,7 +46,8 @@ fn value<'a>(tag: &'a str, key: &str) -> Option<&'a str> {
     tag.split_once(key)?.1.split_once('"').map(|(value, _)| value)
 }
 
-fn escape(text: &str) -> String {
+/// Text as it may stand in an XML attribute.
+pub(in crate::output) fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
