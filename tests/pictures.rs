@@ -175,13 +175,14 @@ fn draw_histogram(path: &Path) {
         from: f64::from(k),
         to: f64::from(k) + 1.0,
         height: normal(f64::from(k) + 0.5) * (1.0 + 0.3 * f64::from(k).sin()),
+        label: String::new(),
     };
     let curve = (0..200).map(|i| f64::from(i) * 0.1).map(|r| (r, normal(r))).collect();
     let chart = plot::SeriesPlot {
         title: Some("θh = 6 m, 100 realisations".into()),
         x: plot::AxisSpec::linear("sliding distance r (m)"),
         y: plot::AxisSpec::linear("probability density (1/m)"),
-        bars: (0..20).map(bar).collect(),
+        bars: vec![plot::Bars { bars: (0..20).map(bar).collect(), ..plot::Bars::default() }],
         curves: vec![plot::Curve::new("normal, μ = 9.75 m, σ = 2.5 m", plot::Style::Line, curve)],
         ..plot::SeriesPlot::default()
     };

@@ -43,7 +43,8 @@ impl Binning {
     /// Bins for these samples together: the mean of their widths by Freedman and Diaconis
     /// (2 IQR / n^(1/3), Z. Wahrsch. 57, 1981), as a whole multiple of `resolution`, the step in which
     /// values come (0 if they are continuous): a bin of two and one of three columns would differ by
-    /// half with no reason. At most about 100 bins.
+    /// half with no reason. Between two limits lies a whole number of bins where a width within a factor
+    /// of 1.5 allows it. At most about 100 bins.
     pub fn of(samples: &[&[f64]], censoring: Censoring, resolution: f64) -> Self {
         let known = |s: &[f64]| -> Vec<f64> {
             let mut v: Vec<f64> = s.iter().copied().filter(|v| v.is_finite() && censoring.is_inside(*v)).collect();
@@ -54,7 +55,7 @@ impl Binning {
         let low = samples.iter().filter_map(|s| s.first()).copied().fold(f64::INFINITY, f64::min);
         let high = samples.iter().filter_map(|s| s.last()).copied().fold(f64::NEG_INFINITY, f64::max);
         let wide = samples.iter().map(|s| freedman_diaconis(s)).sum::<f64>() / samples.len().max(1) as f64;
-        let width = rounded(wide.max((high - low) / MOST), resolution, low);
+        let width = fitted(rounded(wide.max((high - low) / MOST), resolution, low), resolution, &censoring);
         // From the low limit; else half a step before a multiple, so that no value lies on an edge.
         let origin = censoring.low.unwrap_or(if resolution > 0.0 { -0.5 * resolution } else { 0.0 });
         Binning { origin, width, censoring }
@@ -92,6 +93,19 @@ fn rounded(width: f64, resolution: f64, value: f64) -> f64 {
     } else {
         1.0
     }
+}
+
+/// The nearest width of which a whole number lies between two limits.
+fn fitted(width: f64, resolution: f64, censoring: &Censoring) -> f64 {
+    let (Some(low), Some(high)) = (censoring.low, censoring.high) else {
+        return width;
+    };
+    let most = ((high - low) / width * 1.5).floor().clamp(1.0, 1.5 * MOST) as u32;
+    let is_whole = |w: &f64| !(resolution > 0.0) || ((w / resolution).round() * resolution - w).abs() < 1e-9 * w;
+    let distance = |w: &f64| (w / width).ln().abs();
+    let widths = (1..=most).map(|k| (high - low) / f64::from(k)).filter(is_whole);
+    let nearest = widths.min_by(|a, b| distance(a).total_cmp(&distance(b)));
+    nearest.filter(|w| distance(w) <= 1.5_f64.ln() + 1e-9).unwrap_or(width)
 }
 
 impl Histogram {
@@ -175,6 +189,14 @@ mod tests {
         assert!((wide - 0.999).abs() < 1e-12);
         assert_eq!(Binning::of(&[&sample], Censoring::default(), 0.3).width, 3.0 * 0.3);
         assert_eq!(Binning::of(&[&sample], Censoring::default(), 4.0).width, 4.0);
+    }
+
+    #[test]
+    fn a_whole_number_of_bins_lies_between_two_limits() {
+        assert_eq!(fitted(2.875, 0.125, &BOTH), 3.0);
+        assert!((fitted(2.8, 0.0, &BOTH) - 18.0 / 6.0).abs() < 1e-12);
+        // 18 is no multiple of 0.7: the last bin is cut.
+        assert_eq!(fitted(2.8, 0.7, &BOTH), 2.8);
     }
 
     #[test]

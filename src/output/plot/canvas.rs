@@ -7,10 +7,14 @@ use tiny_skia::{
     FillRule, LineCap, LineJoin, Paint, PathBuilder, Pixmap, PixmapPaint, Rect, Stroke, StrokeDash, Transform,
 };
 
+use super::clip;
 use super::colour::{Rgb, WHITE};
 use super::font;
 use super::text::{Align, TextStyle};
 use crate::output::atomic;
+
+/// Horizontal distance of the strokes of a hatch (pixels).
+const HATCH: f64 = 9.0;
 
 /// A picture in the making. Pixels, x to the right, y down.
 pub struct Canvas {
@@ -82,6 +86,20 @@ impl Canvas {
         self.rect((x0, y1 - width), (x1, y1), colour);
         self.rect((x0, y0), (x0 + width, y1), colour);
         self.rect((x1 - width, y0), (x1, y1), colour);
+    }
+
+    /// Slanting strokes inside a rectangle.
+    pub fn hatch(&mut self, (x0, y0): (i32, i32), (x1, y1): (i32, i32), colour: Rgb) {
+        let (lo, hi) = ((f64::from(x0), f64::from(y0)), (f64::from(x1), f64::from(y1)));
+        let height = hi.1 - lo.1;
+        // x + y is a whole multiple on every stroke, so those of neighbouring rectangles are in line.
+        let first = ((lo.0 + lo.1) / HATCH).floor() * HATCH - hi.1;
+        let strokes = (0..).map(|k| first + f64::from(k) * HATCH).take_while(|x| *x < hi.0);
+        for x in strokes {
+            for part in clip::polyline(&[(x, hi.1), (x + height, lo.1)], lo, hi) {
+                self.line(&part, 1.5, colour, None);
+            }
+        }
     }
 
     /// A polyline with round joints; `dash` is the length of dashes and gaps (pixels).

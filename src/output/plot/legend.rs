@@ -12,6 +12,8 @@ use super::ticks;
 pub enum Symbol {
     Swatch,
     Pale,
+    Bar,
+    Hatch,
     Line,
     Dashes,
     Dot,
@@ -80,6 +82,14 @@ fn draw_symbol(canvas: &mut Canvas, entry: &Entry, (x, y): (f64, f64)) {
             canvas.edge(corner, opposite, 1, BLACK);
         }
         Symbol::Pale => canvas.tint(corner, opposite, entry.colour, 0.25),
+        Symbol::Bar => {
+            canvas.rect(corner, opposite, entry.colour.paler(0.6));
+            canvas.edge(corner, opposite, 1, entry.colour);
+        }
+        Symbol::Hatch => {
+            canvas.hatch(corner, opposite, entry.colour);
+            canvas.edge(corner, opposite, 1, entry.colour);
+        }
         Symbol::Line => canvas.line(&ends, 4.0, entry.colour, None),
         Symbol::Dashes => canvas.line(&ends, 3.0, entry.colour, Some((10.0, 6.0))),
         Symbol::Dot => canvas.disc((x + 18.0, y), 7.0, entry.colour),

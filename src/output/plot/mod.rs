@@ -1,4 +1,4 @@
-//! Pictures (PNG): the shape of a slope coloured by a field, line plots, intervals.
+//! Pictures (PNG): the shape of a slope coloured by a field, line plots, intervals, ensembles.
 //!
 //! Every picture is white, has its text in one embedded font, and is written whole or not at all.
 
@@ -8,6 +8,7 @@ mod canvas;
 mod cells;
 mod clip;
 mod colour;
+mod ensemble;
 mod field;
 mod font;
 mod intervals;
@@ -26,10 +27,13 @@ mod view;
 pub use axes::{AxisSpec, Scale};
 pub use cells::{CellsOptions, cells, range};
 pub use colour::{ColourMap, PALETTE, Rgb};
+pub use ensemble::{
+    FittedNormal, HistogramGroup, Quantity, densities, exceedance, histograms, limits, pairs, settling,
+};
 pub use field::{Dimension, FieldOptions, field, field_png};
 pub use intervals::{Interval, IntervalPlot, intervals, intervals_png};
 pub use kind::FieldKind;
-pub use series::{Band, Bar, Curve, Marker, SeriesPlot, Style, series, series_png};
+pub use series::{Area, Band, Bar, Bars, Curve, Fill, Marker, SeriesPlot, Style, series, series_png, share_axes};
 pub use sheet::{Part, sheet};
 pub use view::View;
 

@@ -6,7 +6,7 @@ use super::colour::{NO_VALUE, WHITE};
 use super::points::Raster;
 use super::view::side;
 use super::*;
-use super::{clip, field as field_mod, font, series as series_mod, text, ticks};
+use super::{clip, field as field_mod, font, place, series as series_mod, text, ticks};
 use crate::math::tensor::Voigt;
 use crate::snapshot::{Snapshot, Stage};
 
@@ -273,14 +273,19 @@ fn odd_series_are_drawn() {
             let curve = Curve { spread, ..Curve::new("c", style, points.clone()) };
             let marker = Marker { value: f64::NAN, label: "m".into(), vertical: true };
             let band = Band { from: f64::NAN, to: 1.0, label: "b".into() };
-            let bar = Bar { from: -1.0, to: f64::INFINITY, height: 1e308 };
+            let bar = Bar { from: -1.0, to: f64::INFINITY, height: 1e308, label: "5".into() };
+            let nan = Bar { from: f64::NAN, ..bar.clone() };
+            let bars = |fill| Bars { name: "b".into(), bars: vec![bar.clone(), nan.clone()], fill, colour: None };
+            let area = Area { points: points.iter().map(|p| (p.0, p.1, 1.0)).collect(), style, ..Area::default() };
             let curves = vec![curve, Curve::new("none", style, vec![]), Curve::new("one", style, vec![(1.0, 1.0)])];
             let plot = SeriesPlot {
                 x: axis.clone(),
                 y: axis,
                 curves,
-                bars: vec![bar],
+                areas: vec![area],
+                bars: [Fill::Solid, Fill::Clear, Fill::Hatched].map(bars).to_vec(),
                 markers: vec![marker],
+                equal_axes: true,
                 bands: vec![band],
                 ..SeriesPlot::default()
             };
@@ -298,6 +303,48 @@ fn odd_series_are_drawn() {
     intervals_png(&IntervalPlot { items: vec![item; 200], ..IntervalPlot::default() }).unwrap();
     intervals_png(&IntervalPlot::default()).unwrap();
     assert!(series_png(&SeriesPlot { width: u32::MAX, ..SeriesPlot::default() }).is_err());
+}
+
+#[test]
+fn labels_stand_side_by_side() {
+    let labels = [(900.0, 200.0), (100.0, 300.0), (890.0, 150.0), (110.0, 100.0)];
+    let middles = place::side_by_side(&labels, (0.0, 1000.0));
+    assert_eq!(middles[1], 150.0, "held at the left end");
+    assert_eq!(middles[0], 900.0, "at its place");
+    let mut spans: Vec<(f64, f64)> = middles.iter().zip(labels).map(|(m, l)| (m - l.1 / 2.0, m + l.1 / 2.0)).collect();
+    spans.sort_by(|a, b| a.0.total_cmp(&b.0));
+    assert!(spans.windows(2).all(|w| w[0].1 <= w[1].0) && spans[0].0 >= 0.0 && spans[3].1 <= 1000.0, "{spans:?}");
+}
+
+#[test]
+fn a_unit_is_as_long_on_both_axes() {
+    let room = super::axes::Frame { left: 100, top: 20, right: 1100, bottom: 620 };
+    for (x, y) in [((0.0, 20.0), (0.0, 20.0)), ((0.0, 40.0), (5.0, 10.0)), ((-3.0, 2.0), (0.0, 30.0))] {
+        let (x, y) = (Axis::new(x.0, x.1, Scale::Linear), Axis::new(y.0, y.1, Scale::Linear));
+        let f = series_mod::equal(room, &x, &y);
+        let (across, up) = (f64::from(f.width()) / (x.hi - x.lo), f64::from(f.height()) / (y.hi - y.lo));
+        // Sides are whole pixels, 100 at least.
+        assert!((across / up - 1.0).abs() < 0.005, "{across} {up}");
+        assert!(f.left >= room.left && f.right <= room.right && f.top >= room.top && f.bottom == room.bottom);
+    }
+}
+
+#[test]
+fn an_area_ends_at_the_frame() {
+    let edges = |style| Area { points: vec![(-9.0, -9.0, 0.5), (9.0, -9.0, 0.5)], style, ..Area::default() };
+    for style in [Style::Line, Style::Step] {
+        let axis = |label| AxisSpec { range: Some((0.0, 1.0)), ..AxisSpec::linear(label) };
+        let areas = vec![edges(style)];
+        let plot = SeriesPlot { x: axis("x"), y: axis("y"), areas, ..SeriesPlot::default() };
+        let canvas = series_mod::draw(&plot).unwrap();
+        let pale = canvas.get(canvas.width() / 2 + 31, canvas.height() * 3 / 4);
+        assert!(pale != WHITE && pale.2 > pale.0);
+        let (x0, y0, x1, y1, count) = extent(&canvas, |c| c == pale);
+        let area = (x1 - x0 + 1) * (y1 - y0 + 1);
+        // All but the lines of the grid, and half of the frame's height.
+        assert!(f64::from(count) > 0.97 * f64::from(area) && x0 > 60 && y1 < canvas.height() - 86, "{count} {area}");
+        assert!((f64::from(y1 - y0) / f64::from(canvas.height() - 86 - 8 - 22) - 0.5).abs() < 0.01);
+    }
 }
 
 #[test]
