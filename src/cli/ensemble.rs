@@ -15,9 +15,9 @@ pub struct Args {
     /// Folder for journal, tables and summary; out/<name of the case>-ensemble without it
     #[arg(long, short)]
     out: Option<PathBuf>,
-    /// How many realisations, over all shards
-    #[arg(short = 'n', long, default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
-    realisations: u64,
+    /// How many realisations, over all shards; `ensemble.realisations` of the case without it
+    #[arg(short = 'n', long, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
+    realisations: Option<u64>,
     /// The first of them
     #[arg(long, value_name = "K", default_value_t = 0)]
     first: u64,
@@ -52,11 +52,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let place = out.display().to_string();
     let _lock = folder::claim(&out).map_err(|e| Failure::io(&place, &e))?;
     let plan = Plan {
-        case,
         first: args.first,
-        realisations: args.realisations,
+        realisations: args.realisations.unwrap_or(case.ensemble.realisations),
+        case,
         shard: args.shard,
-        until: None,
         start: start(args),
         threads: args.jobs.map_or(0, usize::from),
         max_memory: args.case.max_memory,

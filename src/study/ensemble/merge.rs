@@ -205,7 +205,7 @@ fn case_of(parts: &[&(&PathBuf, Contents)], session: &Session) -> Result<Case, S
 /// A folder that holds an ensemble that is not finished; those of the file system.
 pub fn write(shards: &Shards, out: &Path, start: Start) -> Result<Ended, Problem> {
     let (mut journal, _, _) = folder::open(out, &shards.session, start)?;
-    let results = Results::new(&shards.case, &shards.session, None, &shards.done);
+    let results = Results::new(&shards.case, &shards.session, &shards.done);
     journal.rows(shards.done.values())?;
     let report = super::write(out, &results, &Spent::default())?;
     journal.finish()?;

@@ -10,6 +10,7 @@ pub mod merge;
 mod realise;
 mod results;
 mod row;
+mod slide;
 mod summary;
 mod tables;
 #[cfg(test)]
@@ -24,7 +25,6 @@ pub use results::Results;
 pub use summary::Summary;
 pub use text::text;
 pub use timing::{Spent, Timing};
-pub use until::{Rule, Statistic};
 
 use std::{
     collections::BTreeMap,
@@ -49,10 +49,10 @@ use crate::{
 };
 use journal::{Journal, Session};
 use realise::Draw;
-use row::{Done, run_draw};
+use row::{Done, Realiser};
 use until::decide;
 
-/// What is run.
+/// What is run. The case says when to stop earlier.
 #[derive(Clone, Debug)]
 pub struct Plan {
     pub case: Case,
@@ -60,8 +60,6 @@ pub struct Plan {
     pub first: u64,
     pub realisations: u64,
     pub shard: Shard,
-    /// When to stop earlier; only with all realisations in one place.
-    pub until: Option<Rule>,
     pub start: Start,
     /// Realisations at a time; 0 is one a core.
     pub threads: usize,
@@ -128,17 +126,17 @@ pub struct Watch<'a> {
 /// file system, with all rows done so far kept.
 pub fn ensemble(plan: &Plan, out: &Path, watch: &Watch) -> Result<Ended, Problem> {
     let (began, cpu) = (Instant::now(), cpu_seconds());
-    check(plan)?;
+    let realiser = realiser(plan)?;
     let session = session(plan);
     let (mut journal, known, notes) = folder::open(out, &session, plan.start)?;
     notes.iter().for_each(|text| (watch.note)(text));
-    write_text(&out.join("case.toml"), &resolved(&plan.case))?;
+    write_text(&out.join("case.toml"), &realise::resolved(&plan.case, plan.realisations))?;
     let mut done = known.done;
     let mut spent = Spent { threads: 0, ..Spent::default() };
-    work(plan, &session, &mut journal, &mut done, &mut spent, watch)?;
+    work(plan, &session, &realiser, &mut journal, &mut done, &mut spent, watch)?;
     spent.wall_s = began.elapsed().as_secs_f64();
     spent.cpu_s = cpu_seconds().zip(cpu).map(|(b, a)| b - a);
-    let results = Results::new(&plan.case, &session, plan.until.as_ref(), &done);
+    let results = Results::new(&plan.case, &session, &done);
     let report = write(out, &results, &spent)?;
     if results.complete() {
         journal.finish()?;
@@ -146,23 +144,40 @@ pub fn ensemble(plan: &Plan, out: &Path, watch: &Watch) -> Result<Ended, Problem
     Ok(Ended { results, report })
 }
 
-fn check(plan: &Plan) -> Result<(), Problem> {
-    let refuse = |text: &str| Err(Problem::Refused(text.to_owned()));
+/// Most realisations: the list of those to be done stands in memory.
+const MOST: u64 = 10_000_000;
+
+/// What all draws share. What no realisation can do is told before any is begun.
+fn realiser(plan: &Plan) -> Result<Realiser<'_>, Problem> {
+    check(plan).map_err(Problem::Refused)?;
+    let cannot = |e: scene::SceneError| {
+        if e.too_large { Problem::TooLarge(e.to_string()) } else { Problem::Refused(e.to_string()) }
+    };
+    let limits = Limits { interrupt: Some(plan.abandon), time_limit: None };
+    let realiser = Realiser::new(&plan.case, plan.max_memory, limits).map_err(cannot)?;
+    realiser.scene(None).map_err(cannot)?;
+    Ok(realiser)
+}
+
+fn check(plan: &Plan) -> Result<(), String> {
     if !is_random(&plan.case) {
-        return refuse("nothing in the case is random: set `jitter.strength`, or run `rmpm solve`");
-    }
-    if plan.until.is_some() && plan.shard != Shard::WHOLE {
-        return refuse("a shard does not see all realisations: `ensemble.until` cannot be used with --shard");
+        return Err("nothing in the case is random: add a `[field]`, set `jitter.strength`, or run `rmpm solve`".into());
     }
     if plan.first.checked_add(plan.realisations).is_none() {
-        return refuse("--first and the number of realisations are too large");
+        return Err("--first and the number of realisations are too large".into());
     }
-    // what no realisation can do is told before any is begun
-    match scene::build(&realise::realise(&plan.case, Some(plan.first)), plan.max_memory) {
-        Err(e) if e.too_large => Err(Problem::TooLarge(e.to_string())),
-        Err(e) => Err(Problem::Refused(e.to_string())),
-        Ok(_) => Ok(()),
+    if plan.realisations > MOST {
+        return Err(format!("{} realisations: at most {MOST} can be run", plan.realisations));
     }
+    let Some(until) = &plan.case.ensemble.until else { return Ok(()) };
+    if plan.shard != Shard::WHOLE {
+        return Err("a shard does not see all realisations: `ensemble.until` cannot be used with --shard".into());
+    }
+    let names: Vec<String> = measures::list(&plan.case).into_iter().map(|m| m.name).collect();
+    if names.contains(&until.measure) {
+        return Ok(());
+    }
+    Err(format!("`ensemble.until.measure`: there is no `{}`; choose from {}", until.measure, names.join(", ")))
 }
 
 fn session(plan: &Plan) -> Session {
@@ -177,21 +192,18 @@ fn session(plan: &Plan) -> Session {
     }
 }
 
-/// The case file of the ensemble.
-fn resolved(case: &Case) -> String {
-    realise::realise(case, Some(0)).to_toml()
-}
-
 /// Runs the draws that are missing; each goes to the journal and to `done`.
 fn work(
     plan: &Plan,
     session: &Session,
+    realiser: &Realiser,
     journal: &mut Journal,
     done: &mut BTreeMap<Draw, Done>,
     spent: &mut Spent,
     watch: &Watch,
 ) -> io::Result<()> {
-    let enough = |done: &_| plan.until.as_ref().is_some_and(|rule| decide(rule, plan.first, done).reached);
+    let until = plan.case.ensemble.until.as_ref();
+    let enough = |done: &_| until.is_some_and(|rule| decide(rule, plan.first, done).reached);
     // the run at the mean belongs to every ensemble
     let wanted = |draw: &Draw| !done.contains_key(draw) && (draw.is_none() || !enough(done));
     let draws: Vec<Draw> = session.draws().filter(wanted).collect();
@@ -200,9 +212,7 @@ fn work(
     }
     let began = Instant::now();
     let stop = || plan.stop.load(Ordering::Relaxed) || plan.time_limit.is_some_and(|limit| began.elapsed() >= limit);
-    let limits = Limits { interrupt: Some(plan.abandon), time_limit: None };
-    let measures = measures::list(&plan.case);
-    let run = |worker: usize, draw: &Draw| run_draw(&plan.case, *draw, &measures, plan.max_memory, limits, worker);
+    let run = |worker: usize, draw: &Draw| realiser.run(*draw, worker);
     spent.threads = workers::count(plan.threads).min(draws.len());
     let mut failure = None;
     workers::hand_out(plan.threads, &draws, &stop, &run, &mut |_, result: Option<Done>| {
@@ -224,7 +234,7 @@ fn work(
 /// Writes all files but the journal, each whole or not at all.
 fn write(out: &Path, results: &Results, spent: &Spent) -> io::Result<Report> {
     let report = Report { summary: summary::summary(results), timing: timing::timing(results, spent) };
-    write_text(&out.join("case.toml"), &resolved(&results.case))?;
+    write_text(&out.join("case.toml"), &realise::resolved(&results.case, results.session.realisations))?;
     write_text(&out.join("ensemble.csv"), &tables::csv(results)?)?;
     write_text(&out.join("ensemble_timing.csv"), &tables::timing_csv(results)?)?;
     write_json(&out.join("summary.json"), &report.summary)?;

@@ -12,25 +12,37 @@ pub type Draw = Option<u64>;
 pub fn realise(case: &Case, draw: Draw) -> Case {
     let mut case = case.clone();
     match draw {
-        Some(k) => case.jitter.realisation = k,
-        None => case.jitter.strength = 0.0,
+        Some(k) => (case.ensemble.realisation, case.jitter.realisation) = (k, k),
+        None => {
+            case.jitter.strength = 0.0;
+            case.field.values_mut().for_each(|field| field.variation = 0.0);
+        }
     }
     case
 }
 
 /// Whether realisations of the case differ at all.
 pub fn is_random(case: &Case) -> bool {
-    case.jitter.strength > 0.0
+    case.jitter.strength > 0.0 || case.field.values().any(|field| field.variation > 0.0)
 }
 
-/// The realisation that is made of the same numbers with opposite signs, if there is one.
-pub fn partner(_case: &Case, _realisation: u64) -> Option<u64> {
-    None
+/// The realisation whose fields are made of the same normals with opposite signs, if there is one.
+pub fn partner(case: &Case, realisation: u64) -> Option<u64> {
+    (case.ensemble.antithetic && !case.field.is_empty()).then_some(realisation ^ 1)
+}
+
+/// The case file of an ensemble: that of its realisation 0.
+pub fn resolved(case: &Case, realisations: u64) -> String {
+    let mut case = realise(case, Some(0));
+    case.ensemble.realisations = realisations;
+    case.to_toml()
 }
 
 /// SHA-256 of the resolved case without what tells realisations apart or how many there are.
 pub fn case_hash(case: &Case) -> String {
-    sha256(realise(case, Some(0)).to_toml().as_bytes())
+    let mut case = case.clone();
+    case.ensemble.until = None;
+    sha256(resolved(&case, 0).as_bytes())
 }
 
 /// Part `index` of `of`, counted from 1: the realisations k with k mod `of` = `index` - 1.
@@ -98,9 +110,32 @@ mod tests {
             crate::case::read("slope", text, &set).unwrap_or_else(|e| panic!("{e}")).0
         };
         let base = case_hash(&read(&["jitter.strength=0.0005"]));
+        for same in ["ensemble.realisation=7", "ensemble.realisations=7", "ensemble.until.standard_error=1"] {
+            assert_eq!(base, case_hash(&read(&["jitter.strength=0.0005", same])), "{same}");
+        }
         assert_eq!(base, case_hash(&read(&["jitter.strength=0.0005", "jitter.realisation=7"])));
         assert_ne!(base, case_hash(&read(&["jitter.strength=0.0004"])));
         assert_ne!(base, case_hash(&read(&["jitter.strength=0.0005", "seed=2"])));
         assert!(is_random(&read(&["jitter.strength=0.0005"])) && !is_random(&read(&[])));
     }
+
+    #[test]
+    fn a_field_is_random_and_has_a_mean() {
+        let text = format!("{}\n{FIELD}", include_str!("../../../cases/clay-slope.toml"));
+        let (case, _) = crate::case::read("slope", &text, &[]).unwrap_or_else(|e| panic!("{e}"));
+        assert!(is_random(&case) && !is_random(&realise(&case, None)));
+        assert_eq!((partner(&case, 6), partner(&case, 7)), (Some(7), Some(6)));
+        assert_ne!(realise(&case, Some(1)), realise(&case, Some(2)));
+    }
+
+    const FIELD: &str = r#"
+[ensemble]
+antithetic = true
+[field.strength]
+material = "clay"
+parameters = ["cohesion", "residual_cohesion"]
+variation = 0.25
+theta_h = 6.0
+theta_v = 1.0
+"#;
 }

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use super::{
     journal::Session,
-    realise::Draw,
+    realise::{Draw, Shard},
     row::Done,
-    until::{Decision, Rule, decide},
+    until::{Decision, decide},
 };
 use crate::{case::Case, run::Status};
 
@@ -26,16 +26,18 @@ pub struct Results {
 
 impl Results {
     /// Those of a session, of all draws that are done.
-    pub fn new(case: &Case, session: &Session, rule: Option<&Rule>, done: &BTreeMap<Draw, Done>) -> Self {
+    pub fn new(case: &Case, session: &Session, done: &BTreeMap<Draw, Done>) -> Self {
         let end = session.first.saturating_add(session.realisations);
         let wanted = |k: &u64| (session.first..end).contains(k) && session.shard.has(Some(*k));
         let mut rows: BTreeMap<u64, Done> =
             done.iter().filter_map(|(draw, done)| Some((draw.filter(|k| wanted(k))?, done.clone()))).collect();
         let asked = session.draws().flatten().count();
         let mut missing = asked.saturating_sub(rows.len()) as u64;
+        // a part does not see the prefix that the rule looks at
+        let rule = case.ensemble.until.as_ref().filter(|_| session.shard == Shard::WHOLE);
         let decision = rule.map(|rule| decide(rule, session.first, done));
         if let Some(decision) = decision.as_ref().filter(|d| d.reached) {
-            rows.retain(|k, _| *k < session.first + decision.n);
+            rows.retain(|k, _| *k - session.first < decision.n as u64);
             missing = 0;
         }
         let mean = done.get(&None).filter(|_| session.shard.has(None)).cloned();

@@ -9,13 +9,13 @@ use std::{
 use serde::{Deserialize, Serialize};
 
 use super::{
-    measures::Measure,
+    measures::{self, Measure},
     realise::{Draw, partner, realise},
 };
 use crate::{
     case::Case,
     run::{self, Blind, Limits, Outcome, Status},
-    scene,
+    scene::{self, Fields, Scene, SceneError},
     study::clock,
     work::Work,
 };
@@ -88,28 +88,52 @@ pub fn counters(work: &Work) -> BTreeMap<String, f64> {
     map.into_iter().filter_map(|(name, value)| Some((name, value.as_f64()?))).collect()
 }
 
-/// Runs one draw. A scene that cannot be built, a fault and a panic all become rows with their reasons;
-/// `None`: it was abandoned.
-pub fn run_draw(
-    case: &Case,
-    draw: Draw,
-    measures: &[Measure],
+/// What all draws of an ensemble share.
+pub struct Realiser<'a> {
+    case: &'a Case,
+    measures: Vec<Measure>,
+    /// The generators of the fields, and those at the mean.
+    fields: [Fields; 2],
     max_memory: u64,
-    limits: Limits,
-    worker: usize,
-) -> Option<Done> {
-    let (started, before) = (Instant::now(), clock::thread_seconds());
-    let row = guarded(|| solve(&realise(case, draw), draw, measures, max_memory, limits))
-        .unwrap_or_else(|fault| Row::failed(case, draw, fault));
-    let cpu_s = clock::thread_seconds().zip(before).map(|(b, a)| b - a);
-    let cost = Cost { cpu_s, wall_s: started.elapsed().as_secs_f64(), worker };
-    (row.status != Status::Interrupted).then_some(Done { row, cost })
+    limits: Limits<'a>,
 }
 
-fn solve(case: &Case, draw: Draw, measures: &[Measure], max_memory: u64, limits: Limits) -> Result<Row, String> {
-    let mut scene = scene::build(case, max_memory).map_err(|e| e.to_string())?;
-    let outcome = run::run(case, &mut scene, limits, &mut Blind).map_err(|e| e.to_string())?;
-    Ok(Row::new(case, draw, measures, &outcome, &scene.simulation.work))
+impl<'a> Realiser<'a> {
+    /// Makes the generators of the random fields.
+    ///
+    /// # Errors
+    /// A field that cannot be made.
+    pub fn new(case: &'a Case, max_memory: u64, limits: Limits<'a>) -> Result<Self, SceneError> {
+        let fields = [Fields::of(case)?, Fields::of(&realise(case, None))?];
+        Ok(Realiser { case, measures: measures::list(case), fields, max_memory, limits })
+    }
+
+    /// The scene of a draw.
+    ///
+    /// # Errors
+    /// One that cannot be built.
+    pub fn scene(&self, draw: Draw) -> Result<(Case, Scene), SceneError> {
+        let case = realise(self.case, draw);
+        let fields = &self.fields[usize::from(draw.is_none())];
+        let scene = scene::build_with(&case, self.max_memory, fields)?;
+        Ok((case, scene))
+    }
+
+    /// Runs one draw. A scene that cannot be built, a fault and a panic all become rows with their
+    /// reasons; `None`: it was abandoned.
+    pub fn run(&self, draw: Draw, worker: usize) -> Option<Done> {
+        let (started, before) = (Instant::now(), clock::thread_seconds());
+        let row = guarded(|| self.solve(draw)).unwrap_or_else(|fault| Row::failed(self.case, draw, fault));
+        let cpu_s = clock::thread_seconds().zip(before).map(|(b, a)| b - a);
+        let cost = Cost { cpu_s, wall_s: started.elapsed().as_secs_f64(), worker };
+        (row.status != Status::Interrupted).then_some(Done { row, cost })
+    }
+
+    fn solve(&self, draw: Draw) -> Result<Row, String> {
+        let (case, mut scene) = self.scene(draw).map_err(|e| e.to_string())?;
+        let outcome = run::run(&case, &mut scene, self.limits, &mut Blind).map_err(|e| e.to_string())?;
+        Ok(Row::new(self.case, draw, &self.measures, &outcome, &scene.simulation.work))
+    }
 }
 
 /// A panic as an error: a bug in one realisation must not take the others along.

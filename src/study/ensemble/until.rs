@@ -8,84 +8,40 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::{realise::Draw, row::Done};
-
-/// Which statistic is to be known well.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Statistic {
-    Mean,
-    Sd,
-}
-
-/// Stop at the first n, not below `at_least`, at which the standard error of the statistic of the
-/// measure over the first n realisations is at most `standard_error`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Rule {
-    pub measure: String,
-    pub statistic: Statistic,
-    /// In the unit of the measure.
-    pub standard_error: f64,
-    pub at_least: u64,
-}
+use crate::{
+    case::{Statistic, Until},
+    math::stats::{Rule, Target, running},
+};
 
 /// What the rule has come to.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Decision {
     #[serde(flatten)]
-    pub rule: Rule,
+    pub rule: Until,
     pub reached: bool,
     /// Realisations it has looked at: the n of the stop where it is reached.
-    pub n: u64,
-    /// The standard error at n; `None` below two values.
+    pub n: usize,
+    /// The standard error at n; `None` for too few values.
     pub value: Option<f64>,
 }
 
 /// Looks at the realisations from `first` on, up to the first that is not done yet. One that has no value
-/// (it failed) counts in n and not in the statistic.
-pub fn decide(rule: &Rule, first: u64, done: &BTreeMap<Draw, Done>) -> Decision {
-    let mut spread = Spread::default();
-    let mut decision = Decision { rule: rule.clone(), reached: false, n: 0, value: None };
-    for (k, (draw, done)) in (first..).zip(done.range(Some(first)..)) {
-        if *draw != Some(k) {
-            break;
-        }
-        done.row.measure(&rule.measure).into_iter().for_each(|v| spread.add(v));
-        decision.n += 1;
-        decision.value = spread.standard_error(rule.statistic);
-        decision.reached = decision.n >= rule.at_least && decision.value.is_some_and(|se| se <= rule.standard_error);
-        if decision.reached {
-            break;
-        }
-    }
-    decision
-}
-
-/// Mean and squares of a growing sample (Welford 1962).
-#[derive(Default)]
-struct Spread {
-    n: f64,
-    mean: f64,
-    squares: f64,
-}
-
-impl Spread {
-    fn add(&mut self, value: f64) {
-        self.n += 1.0;
-        let gap = value - self.mean;
-        self.mean += gap / self.n;
-        self.squares += gap * (value - self.mean);
-    }
-
-    /// se(mean) = sd / sqrt(n); se(sd) = sd / sqrt(2 (n - 1)), that of a normal sample.
-    fn standard_error(&self, statistic: Statistic) -> Option<f64> {
-        if self.n < 2.0 {
-            return None;
-        }
-        let sd = (self.squares / (self.n - 1.0)).sqrt();
-        Some(match statistic {
-            Statistic::Mean => sd / self.n.sqrt(),
-            Statistic::Sd => sd / (2.0 * (self.n - 1.0)).sqrt(),
-        })
+/// (it failed) has its place in the order and counts for nothing else.
+pub fn decide(until: &Until, first: u64, done: &BTreeMap<Draw, Done>) -> Decision {
+    let prefix = (first..).zip(done.range(Some(first)..)).take_while(|(k, (draw, _))| **draw == Some(*k));
+    let values: Vec<f64> = prefix.map(|(_, (_, done))| done.row.measure(&until.measure).unwrap_or(f64::NAN)).collect();
+    let target = match until.statistic {
+        Statistic::Mean => Target::Mean,
+        Statistic::Sd => Target::Sd,
+    };
+    let at_least = usize::try_from(until.at_least).unwrap_or(usize::MAX);
+    let reached = Rule { target, standard_error: until.standard_error, at_least }.first(&values);
+    let last = || running(&values).last().map(|p| if target == Target::Sd { p.sd_se } else { p.mean_se });
+    Decision {
+        rule: until.clone(),
+        reached: reached.is_some(),
+        n: reached.map_or(values.len(), |r| r.len),
+        value: reached.map(|r| r.standard_error).or_else(last).filter(|se| se.is_finite()),
     }
 }
 
@@ -94,8 +50,8 @@ mod tests {
     use super::*;
     use crate::study::ensemble::row::tests::done_with;
 
-    fn rule(statistic: Statistic, standard_error: f64, at_least: u64) -> Rule {
-        Rule { measure: "x".to_owned(), statistic, standard_error, at_least }
+    fn rule(statistic: Statistic, standard_error: f64, at_least: u64) -> Until {
+        Until { measure: "x".to_owned(), statistic, standard_error, at_least }
     }
 
     /// Realisations 3, 4, ... with these values.
