@@ -27,6 +27,13 @@ pub enum FaultKind {
 }
 
 impl FaultKind {
+    /// Whether a body without equilibrium shows itself in this way: iterations that lead nowhere, far away, or
+    /// through a point turned inside out.
+    pub fn is_loss_of_balance(self) -> bool {
+        use FaultKind::{Inverted, NewtonDiverged, Singular, StepTooLong};
+        matches!(self, NewtonDiverged | Singular | StepTooLong | Inverted)
+    }
+
     /// What went wrong, in words.
     pub fn what(self) -> &'static str {
         match self {

@@ -80,6 +80,11 @@ fn undrained_slopes() {
 }
 
 #[test]
+fn factor_of_safety() {
+    holds("factor-of-safety");
+}
+
+#[test]
 fn column() {
     holds("column");
 }

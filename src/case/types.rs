@@ -28,6 +28,9 @@ pub struct Case {
     /// Sliding distance of a slope; `None` where the case has no crest.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slide: Option<Slide>,
+    /// Search for the factor of safety; `None`: one run with the strengths as given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub strength_reduction: Option<StrengthReduction>,
     pub boundary: Boundary,
     /// Materials by name.
     pub material: BTreeMap<String, Material>,
@@ -375,6 +378,10 @@ pub struct End {
     pub rest_energy: f64,
     /// ... and the sliding distance unchanged for this long (s).
     pub rest_hold: f64,
+    /// The run ends when the soil has moved so far since the onset of failure (m). Default in small strain: the
+    /// last of `slide.initial_levels`, as nothing beyond it is meant; otherwise none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub after_failure: Option<f64>,
 }
 
 /// What is written, and how often.
@@ -404,6 +411,28 @@ pub struct Slide {
     pub block_hold: f64,
     /// ... and the block is at least this long (m).
     pub block_length: f64,
+    /// Displacements since the onset of failure (m), rising, at which the initial failure is classified. Default
+    /// 0.25, 0.5, 1: from the first motion that no settlement explains to where the first block has parted.
+    pub initial_levels: Vec<f64>,
+    /// The one of them (m) at which a run of small strain reads sliding distance and volume, as what moved before
+    /// the onset is settlement. Default: the middle one.
+    pub initial_level: f64,
+    /// Where there is inertia from the start, failure begins when the nodal kinetic energy comes above this share
+    /// of the external work, and stays above it until the lowest level is reached. Default 0.01: the waves of a
+    /// slow ramp fall below it long before the soil yields, and a slide passes it within centimetres.
+    pub onset_energy: f64,
+}
+
+/// The factor of safety: the strengths of all materials, divided by it, are those with which the slope just fails.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct StrengthReduction {
+    /// A factor with which the slope stands. Default 0.5.
+    pub low: f64,
+    /// A factor with which it fails. Default 4.
+    pub high: f64,
+    /// Width of the bracket at which the search ends. Default 0.005: half of the last digit in which factors of
+    /// safety are given.
+    pub tolerance: f64,
 }
 
 /// The four sides of the grid.

@@ -34,7 +34,7 @@ impl Failure {
     pub fn of(status: Status, message: &str) -> Option<Self> {
         let text = message.to_owned();
         match status {
-            Status::AtRest | Status::EndTime => None,
+            Status::AtRest | Status::EndTime | Status::SlopeFailed => None,
             Status::Failed => Some(Failure::Solver(text)),
             Status::Interrupted => Some(Failure::Interrupted(text)),
             Status::ResourceCap => Some(Failure::Cap(text)),

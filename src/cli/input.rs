@@ -9,7 +9,7 @@ use super::Failure;
 use crate::{
     case::{self, Case},
     output::record::Source,
-    scene::{self, Scene},
+    scene::{self, Fields, Scene},
 };
 
 /// Largest case file that is read (bytes).
@@ -54,7 +54,13 @@ impl CaseArgs {
 
     /// Builds the scene of a case.
     pub fn build(&self, case: &Case) -> Result<Scene, Failure> {
-        scene::build(case, self.max_memory).map_err(|e| {
+        self.build_reduced(case, 1.0)
+    }
+
+    /// The same with all strengths divided by `factor`.
+    pub fn build_reduced(&self, case: &Case, factor: f64) -> Result<Scene, Failure> {
+        let built = Fields::of(case).and_then(|fields| scene::build_reduced(case, self.max_memory, &fields, factor));
+        built.map_err(|e| {
             let text = e.to_string();
             if e.too_large { Failure::Cap(text) } else { Failure::Input(text) }
         })

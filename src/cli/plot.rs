@@ -66,7 +66,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let rows = history::read(&args.dir.join("history.csv")).map_err(read)?;
     let Some(kind) = args.field.as_deref().and_then(FieldKind::parse) else {
         std::fs::create_dir_all(args.dir.join("pictures")).map_err(read)?;
-        return pictures::draw(&args.dir, &case, &rows, &frames).map_err(read);
+        return pictures::draw(&args.dir, &case, &rows, &frames, began(&args.dir)).map_err(read);
     };
     let chosen = pictures::choose(&frames, &case.output.pictures, pictures::onset(&rows));
     let snapshots = pictures::load(&args.dir, &frames, &chosen).map_err(read)?;
@@ -92,6 +92,13 @@ fn resolved(dir: &Path) -> Result<Case, Failure> {
     let name = path.display().to_string();
     let text = std::fs::read_to_string(&path).map_err(|e| Failure::io(&name, &e))?;
     case::read(&name, &text, &[]).map(|(case, _)| case).map_err(|e| Failure::Input(e.render(false)))
+}
+
+/// The onset of failure that the record of a run tells (s); a run under way or cut short has none yet.
+fn began(dir: &Path) -> Option<f64> {
+    let text = std::fs::read_to_string(dir.join("record.json")).ok()?;
+    let record: serde_json::Value = serde_json::from_str(&text).ok()?;
+    record.pointer("/measures/onset_time_s")?.as_f64()
 }
 
 fn range(ends: &[f64]) -> Result<Option<(f64, f64)>, Failure> {

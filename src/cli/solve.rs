@@ -18,6 +18,7 @@ use crate::{
     run::{self, Limits, Observer, Sample},
     scene::Scene,
     snapshot::Snapshot,
+    study::strength_reduction::{self, NoFactor, Trial},
 };
 
 #[derive(Debug, clap::Args)]
@@ -68,7 +69,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let (case, source) = input.read()?;
     let mut phases = BTreeMap::new();
     let started = Instant::now();
-    let mut scene = input.build(&case)?;
+    let (safety, factor) = search(&case, input.max_memory, time_limit, args.quiet)?.unzip();
+    let mut scene = input.build_reduced(&case, factor.unwrap_or(1.0))?;
     phases.insert("setup".to_owned(), started.elapsed().as_secs_f64());
     let out = args.out.clone().unwrap_or_else(|| default_out(input));
     let write = |e: std::io::Error| Failure::io(&out.display().to_string(), &e);
@@ -81,13 +83,42 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     phases.extend(scene.simulation.phases().into_iter().map(|(name, s)| (format!("solve.{name}"), s)));
     let solve_cpu = cpu_seconds().zip(cpu_before).map(|(b, a)| b - a);
     watch.progress.done();
-    let record = record(&case, &source, &scene, &outcome);
+    let mut record = record(&case, &source, &scene, &outcome);
+    record.strength_reduction = safety;
     let drawn = finish(&case, &mut watch.folder, &record, &mut phases).map_err(write)?;
     let timing = timing(&record, &scene, started, phases, solve_cpu);
     watch.folder.write_json("timing.json", &timing).map_err(write)?;
     say(args, &record, &timing, &out.display().to_string())?;
     drawn.map_err(write)?;
-    Failure::of(outcome.status, &outcome.message).map_or(Ok(()), Err)
+    // a search has found what it looked for: a run that fails
+    let failure = Failure::of(outcome.status, &outcome.message);
+    failure.filter(|_| strength_reduction::has_failed(&outcome) != Some(true) || factor.is_none()).map_or(Ok(()), Err)
+}
+
+/// The search for the factor of safety, where the case asks for it, and the factor of the run that is left in
+/// the folder: the least that failed. The time limit holds for each run.
+fn search(
+    case: &Case,
+    max_memory: u64,
+    time_limit: Option<Duration>,
+    quiet: bool,
+) -> Result<Option<(serde_json::Value, f64)>, Failure> {
+    if case.strength_reduction.is_none() {
+        return Ok(None);
+    }
+    let limits = Limits { interrupt: Some(interrupt::flag()), time_limit };
+    let told = |t: &Trial| {
+        if !quiet {
+            eprintln!("strength / {:.4}: {}", t.factor, if t.failed { "fails" } else { "stands" });
+        }
+    };
+    let safety = strength_reduction::find(case, max_memory, limits, told).map_err(|e| match e {
+        NoFactor::Input(text) => Failure::Input(text),
+        NoFactor::TooLarge(text) => Failure::Cap(text),
+        NoFactor::Trial { status, message } => Failure::of(status, &message).unwrap_or(Failure::Solver(message)),
+    })?;
+    let value = serde_json::to_value(&safety).map_err(|e| Failure::Solver(e.to_string()))?;
+    Ok(Some((value, safety.bracket[1])))
 }
 
 fn limit(seconds: f64) -> Result<Duration, Failure> {
@@ -109,7 +140,8 @@ fn finish(
     folder.history.flush()?;
     folder.write_json("record.json", record)?;
     let before = Instant::now();
-    let drawn = pictures::draw(folder.path(), case, &folder.history.rows, folder.frames());
+    let drawn =
+        pictures::draw(folder.path(), case, &folder.history.rows, folder.frames(), record.measures.onset_time_s);
     phases.insert("pictures".to_owned(), before.elapsed().as_secs_f64());
     Ok(drawn)
 }

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use crate::case::Scheme;
+use crate::measure::Measures;
 use crate::output::record::{Record, Timing};
 
 /// A few lines: what happened, the measures, the balances, the cost, the warnings.
@@ -10,6 +11,7 @@ pub fn text(record: &Record, timing: &Timing, out: &str) -> String {
     let mut s = String::new();
     // writing to a string does not fail
     let _ = header(&mut s, record);
+    let _ = safety(&mut s, record);
     let _ = slide(&mut s, record);
     let _ = balances(&mut s, record);
     let _ = cost(&mut s, record, timing);
@@ -31,6 +33,20 @@ fn header(s: &mut String, r: &Record) -> std::fmt::Result {
     )
 }
 
+/// The factor of safety, where one was asked for.
+fn safety(s: &mut String, r: &Record) -> std::fmt::Result {
+    let Some(found) = &r.strength_reduction else { return Ok(()) };
+    let number = |pointer: &str| found.pointer(pointer).and_then(serde_json::Value::as_f64).unwrap_or(f64::NAN);
+    let trials = found.get("trials").and_then(serde_json::Value::as_array).map_or(0, Vec::len);
+    writeln!(
+        s,
+        "  safety      factor of safety {:.3}: stands with {:.4}, fails with {:.4}; {trials} runs; what follows is the one that failed",
+        number("/factor_of_safety"),
+        number("/bracket/0"),
+        number("/bracket/1")
+    )
+}
+
 fn slide(s: &mut String, r: &Record) -> std::fmt::Result {
     let m = &r.measures;
     let Some(distance) = m.sliding_distance_m else { return writeln!(s, "  run-out     {:.3} m", m.runout_m) };
@@ -47,7 +63,22 @@ fn slide(s: &mut String, r: &Record) -> std::fmt::Result {
     let others: Vec<String> = m.sliding_distance_at.iter().map(|(k, v)| format!("{k}: {v:.2} m")).collect();
     writeln!(s, "              r by threshold  {}", others.join(", "))?;
     let volume = m.slide_volume_m3_per_m.unwrap_or(0.0);
-    writeln!(s, "              volume {volume:.1} m3/m, run-out {:.2} m", m.runout_m)
+    writeln!(s, "              volume {volume:.1} m3/m, run-out {:.2} m", m.runout_m)?;
+    initial_failure(s, m)
+}
+
+/// The onset, and the first slide at each level.
+fn initial_failure(s: &mut String, m: &Measures) -> std::fmt::Result {
+    let Some(time) = m.onset_time_s else { return Ok(()) };
+    writeln!(s, "  onset       {time:.2} s; the first slide by displacement since then:")?;
+    m.initial_failure.iter().try_for_each(|f| {
+        let (c, t) = (&f.by_clusters, &f.by_threshold);
+        writeln!(
+            s,
+            "              {} m at {:.2} s: r = {:.2} m, volume {:.1} m3/m (split at {:.2} m); by half of the largest {:.2} m, {:.1} m3/m",
+            f.level_m, f.time_s, c.sliding_distance_m, c.volume_m3_per_m, c.split_m, t.sliding_distance_m, t.volume_m3_per_m
+        )
+    })
 }
 
 fn balances(s: &mut String, r: &Record) -> std::fmt::Result {

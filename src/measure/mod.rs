@@ -1,9 +1,12 @@
 //! Measures of a body or of a snapshot: pure functions.
 
 pub mod blocks;
+pub mod onset;
 pub mod slide;
+pub mod split;
 pub mod summary;
 
 pub use blocks::{Plateau, plateaus};
+pub use onset::InitialFailure;
 pub use slide::SlideProbe;
 pub use summary::Measures;

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::{
     blocks::{Plateau, plateaus},
+    onset::InitialFailure,
     slide::{SlideProbe, runout, slide_volume},
 };
 use crate::{case, sim::Energies, snapshot::Snapshot};
@@ -19,6 +20,13 @@ pub struct Measures {
     pub sliding_distance_at: BTreeMap<String, f64>,
     /// Whether r has reached the wall.
     pub sliding_distance_censored: bool,
+    /// When failure began (s), where it did and the run has a crest.
+    pub onset_time_s: Option<f64>,
+    /// Whether the soil has moved, since the onset, by the lowest of `slide.initial_levels`. Absent without
+    /// a crest, and without inertia: equilibrium knows no motion.
+    pub slope_failed: Option<bool>,
+    /// What had moved when the displacement since the onset reached each level.
+    pub initial_failure: Vec<InitialFailure>,
     /// Plateaus of r(t).
     pub blocks: Option<u64>,
     pub plateaus: Vec<Plateau>,
@@ -40,35 +48,38 @@ pub struct SlideHistory {
     pub distance: Vec<f64>,
 }
 
+/// The slide at the end of a run.
+pub struct Slid<'a> {
+    pub keys: &'a case::Slide,
+    pub probe: &'a SlideProbe,
+    /// Displacement that counts, by identity (m): the whole one, or in small strain that since the onset.
+    pub displacement: &'a [[f64; 2]],
+    pub history: &'a SlideHistory,
+}
+
 /// The measures of the last snapshot of a run. `residual_strain` is the plastic strain at which
 /// the weakest-softening material is residual, where one softens.
-pub fn measures(
-    s: &Snapshot,
-    energies: Energies,
-    slide: Option<(&case::Slide, &SlideProbe)>,
-    history: &SlideHistory,
-    residual_strain: Option<f64>,
-) -> Measures {
-    let threshold = slide.map_or(0.0, |(keys, _)| keys.threshold);
+pub fn measures(s: &Snapshot, energies: Energies, slide: Option<&Slid<'_>>, residual_strain: Option<f64>) -> Measures {
+    let threshold = slide.map_or(0.0, |slid| slid.keys.threshold);
     let mut m = Measures { runout_m: runout(s, threshold), energy_kj_per_m: energies, ..Measures::default() };
     for stage in &s.stage {
         m.stage_points[*stage as usize] += 1;
     }
-    if let Some((keys, probe)) = slide {
-        add_slide(&mut m, s, keys, probe, history);
+    if let Some(slid) = slide {
+        add_slide(&mut m, s, slid);
         if let Some(strain) = residual_strain {
-            m.sliding_distance_at.insert("residual_strength".to_owned(), probe.by_plastic_strain(s, strain));
+            m.sliding_distance_at.insert("residual_strength".to_owned(), slid.probe.by_plastic_strain(s, strain));
         }
     }
     m
 }
 
-fn add_slide(m: &mut Measures, s: &Snapshot, keys: &case::Slide, probe: &SlideProbe, history: &SlideHistory) {
-    let u: Vec<[f64; 2]> = (0..s.len()).map(|i| s.displacement(i)).collect();
+fn add_slide(m: &mut Measures, s: &Snapshot, slid: &Slid<'_>) {
+    let Slid { keys, probe, displacement, history } = *slid;
     for threshold in std::iter::once(&keys.threshold).chain(&keys.also) {
-        m.sliding_distance_at.insert(format!("{threshold}"), probe.by_displacement(&u, *threshold));
+        m.sliding_distance_at.insert(format!("{threshold}"), probe.by_displacement(displacement, *threshold));
     }
-    let r = probe.by_displacement(&u, keys.threshold);
+    let r = probe.by_displacement(displacement, keys.threshold);
     m.sliding_distance_m = Some(r);
     m.sliding_distance_censored = r > keys.censored_above;
     m.plateaus = plateaus(&history.time, &history.distance, keys.block_hold, keys.block_length);

@@ -1,5 +1,8 @@
 //! The pictures of a run, drawn from its frames and its history.
 
+mod mechanism;
+mod process;
+
 use std::{io, path::Path};
 
 use super::{
@@ -54,8 +57,18 @@ pub fn options(case: &Case, kind: FieldKind) -> FieldOptions {
     }
 }
 
-/// The whole set: shape by plastic strain, strength and stage; r(t); energies.
-pub fn draw(folder: &Path, case: &Case, rows: &[Sample], frames: &[(f64, String)]) -> io::Result<()> {
+/// The whole set; `began` is the onset of failure (s), where there was one: shape by plastic strain, strength and stage; r(t); energies.
+pub fn draw(
+    folder: &Path,
+    case: &Case,
+    rows: &[Sample],
+    frames: &[(f64, String)],
+    began: Option<f64>,
+) -> io::Result<()> {
+    process::draw(folder, case, frames, began, &blocks(case, rows))?;
+    if case.strength_reduction.is_some() {
+        mechanism::draw(folder, case, frames, began)?;
+    }
     let snapshots = load(folder, frames, &choose(frames, &case.output.pictures, onset(rows)))?;
     let views: Vec<&Snapshot> = snapshots.iter().collect();
     let to = |name: &str| folder.join("pictures").join(name);

@@ -46,6 +46,10 @@ pub struct Record {
     pub events: Vec<Event>,
     pub warnings: Vec<Warning>,
     pub measures: Measures,
+    /// The search for the factor of safety, where the case asks for one; the rest of the record is then that of
+    /// the last run that failed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub strength_reduction: Option<Value>,
     pub work: Work,
 }
 
@@ -124,6 +128,7 @@ pub fn record(case: &Case, source: &Source, scene: &Scene, outcome: &Outcome) ->
         events: scene.simulation.events().to_vec(),
         warnings,
         measures: outcome.measures.clone(),
+        strength_reduction: None,
         work: scene.simulation.work.clone(),
     }
 }

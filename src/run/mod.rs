@@ -1,6 +1,7 @@
 //! The time loop of a run: steps, samples, frames, and when it is over.
 
 mod rest;
+mod slide;
 
 use std::{
     sync::atomic::{AtomicBool, Ordering},
@@ -10,14 +11,12 @@ use std::{
 use serde::{Deserialize, Serialize};
 
 use rest::Rest;
+use slide::SlideWatch;
 
 use crate::{
     case::{self, Case},
     fault::Fault,
-    measure::{
-        SlideProbe,
-        summary::{Measures, SlideHistory, measures},
-    },
+    measure::summary::{Measures, measures},
     scene::Scene,
     sim::{Energies, Simulation},
     snapshot::Snapshot,
@@ -29,6 +28,8 @@ use crate::{
 pub enum Status {
     AtRest,
     EndTime,
+    /// The soil has moved, since the onset of failure, as far as `end.after_failure` asks for.
+    SlopeFailed,
     Failed,
     Interrupted,
     ResourceCap,
@@ -118,10 +119,8 @@ const LOOK: u64 = 16;
 
 struct Loop<'a> {
     case: &'a Case,
-    probe: Option<SlideProbe>,
+    slide: Option<SlideWatch<'a>>,
     rest: Rest,
-    history: SlideHistory,
-    displacement: Vec<[f64; 2]>,
     dt: StepRange,
     next_sample: f64,
     next_frame: f64,
@@ -143,7 +142,7 @@ pub fn run(case: &Case, scene: &mut Scene, limits: Limits, observer: &mut dyn Ob
             if limits.interrupted() {
                 break (Status::Interrupted, None);
             }
-            state.note_rest(sim);
+            state.survey(sim, observer)?;
             if limits.time_limit.is_some_and(|t| started.elapsed() > t) {
                 break (Status::ResourceCap, None);
             }
@@ -151,23 +150,19 @@ pub fn run(case: &Case, scene: &mut Scene, limits: Limits, observer: &mut dyn Ob
         if let Err(fault) = sim.step(state.limit(sim)) {
             break (Status::Failed, Some(fault));
         }
-        state.note_step(sim);
+        state.note_step(sim, observer)?;
         state.look(sim, observer, false)?;
     };
-    state.look(sim, observer, true)?;
+    state.last_look(sim, observer)?;
     Ok(state.outcome(sim, status, fault))
 }
 
 impl<'a> Loop<'a> {
     fn new(case: &'a Case, scene: &Scene) -> Self {
-        let reference = scene.simulation.snapshot().reference;
-        let probe = case.slide.as_ref().map(|s| SlideProbe::new(&reference, s.crest, scene.grid.h));
         Loop {
             case,
-            probe,
+            slide: case.slide.as_ref().map(|keys| SlideWatch::new(case, keys, scene)),
             rest: Rest::new(case.end.rest_energy, case.end.rest_hold, case.grid.cell, case.loading_end()),
-            history: SlideHistory::default(),
-            displacement: vec![[0.0; 2]; reference.len()],
             dt: StepRange { min: f64::INFINITY, mean: 0.0, max: 0.0 },
             next_sample: 0.0,
             next_frame: 0.0,
@@ -179,9 +174,11 @@ impl<'a> Loop<'a> {
         (self.case.end.time - sim.time).max(0.0)
     }
 
-    fn note_step(&mut self, sim: &Simulation) {
+    fn note_step(&mut self, sim: &Simulation, observer: &mut dyn Observer) -> std::io::Result<()> {
         self.dt.min = self.dt.min.min(sim.dt);
         self.dt.max = self.dt.max.max(sim.dt);
+        let begun = self.slide.as_mut().is_some_and(|slide| slide.note_event(sim.events()));
+        if begun { show(sim, observer) } else { Ok(()) }
     }
 
     /// Takes the samples and frames that are due.
@@ -200,9 +197,7 @@ impl<'a> Loop<'a> {
 
     fn sample(&mut self, sim: &Simulation) -> Sample {
         let energies = sim.energies();
-        let sliding_distance = self.sliding_distance(sim);
-        self.history.time.push(sim.time);
-        self.history.distance.push(sliding_distance.unwrap_or(0.0));
+        let sliding_distance = self.slide.as_mut().map(|slide| slide.sample(sim));
         let report = sim.report();
         let implicit = self.case.solver.scheme == case::Scheme::Implicit;
         Sample {
@@ -216,17 +211,22 @@ impl<'a> Loop<'a> {
         }
     }
 
-    fn sliding_distance(&mut self, sim: &Simulation) -> Option<f64> {
-        let (probe, keys) = self.probe.as_ref().zip(self.case.slide.as_ref())?;
-        sim.body.displacements(&mut self.displacement);
-        Some(probe.by_displacement(&self.displacement, keys.threshold))
+    /// Looks whether failure has begun, and whether the body has come to rest. Not tied to the output, which
+    /// must not change the answer.
+    fn survey(&mut self, sim: &Simulation, observer: &mut dyn Observer) -> std::io::Result<()> {
+        let r = self.slide.as_mut().map_or(0.0, |slide| slide.sliding_distance(sim));
+        self.rest.note(sim.time, sim.nodal_kinetic_energy(), r, sim.settling());
+        let begun = self.slide.as_mut().is_some_and(|slide| slide.note_motion(sim));
+        if begun { show(sim, observer) } else { Ok(()) }
     }
 
-    /// Looks whether the body has come to rest. Not tied to the output, which must not change
-    /// the answer.
-    fn note_rest(&mut self, sim: &Simulation) {
-        let r = self.sliding_distance(sim).unwrap_or(0.0);
-        self.rest.note(sim.time, sim.nodal_kinetic_energy(), r, sim.settling());
+    /// The last row and frame, and the levels that the last steps have reached.
+    fn last_look(&mut self, sim: &Simulation, observer: &mut dyn Observer) -> std::io::Result<()> {
+        self.look(sim, observer, true)?;
+        if let Some(slide) = &mut self.slide {
+            slide.note_motion(sim);
+        }
+        Ok(())
     }
 
     fn finished(&self, sim: &Simulation) -> Option<Status> {
@@ -234,14 +234,22 @@ impl<'a> Loop<'a> {
         if end.at_rest && !sim.settling() && self.rest.reached(sim.time) {
             return Some(Status::AtRest);
         }
+        if end.after_failure.zip(self.slide.as_ref()).is_some_and(|(most, slide)| slide.moved() >= most) {
+            return Some(Status::SlopeFailed);
+        }
         // a remainder below rounding is no step
         (sim.time >= end.time * (1.0 - 1e-12)).then_some(Status::EndTime)
     }
 
     fn outcome(self, sim: &Simulation, status: Status, fault: Option<Fault>) -> Outcome {
         let snapshot = sim.snapshot();
-        let slide = self.case.slide.as_ref().zip(self.probe.as_ref());
-        let mut m = measures(&snapshot, sim.energies(), slide, &self.history, residual_strain(self.case));
+        let residual = residual_strain(self.case);
+        let counted = self.slide.as_ref().map(SlideWatch::counted).unwrap_or_default();
+        let slid = self.slide.as_ref().map(|slide| slide.slid(&counted));
+        let mut m = measures(&snapshot, sim.energies(), slid.as_ref(), residual);
+        if let Some(slide) = &self.slide {
+            slide.add_onset(&mut m, &snapshot);
+        }
         m.mass_error = sim.mass_error();
         m.momentum_error = sim.momentum_error();
         let steps = sim.work.steps;
@@ -250,6 +258,11 @@ impl<'a> Loop<'a> {
         let message = message(self.case, status, fault.as_ref(), sim.time);
         Outcome { status, time: sim.time, message, fault, dt, measures: m }
     }
+}
+
+/// A frame besides those that are due.
+fn show(sim: &Simulation, observer: &mut dyn Observer) -> std::io::Result<()> {
+    if observer.wants_frames() { observer.frame(&sim.snapshot()) } else { Ok(()) }
 }
 
 fn next_due(time: f64, interval: f64) -> f64 {
@@ -271,6 +284,10 @@ fn message(case: &Case, status: Status, fault: Option<&Fault>, time: f64) -> Str
     match (status, fault) {
         (Status::AtRest, _) => format!("at rest after {time:.2} s"),
         (Status::EndTime, _) => format!("reached the end time {time:.2} s"),
+        (Status::SlopeFailed, _) => {
+            let moved = case.end.after_failure.unwrap_or(f64::NAN);
+            format!("the slope has failed: {moved} m since the onset were reached at {time:.2} s")
+        }
         (Status::Failed, Some(fault)) => format!("{fault}; try: {}", fault.advice(case.step_keys())),
         (Status::Failed, None) => "the solver gave up".to_owned(),
         (Status::Interrupted, _) => format!("interrupted at {time:.2} s; what was done is kept"),

@@ -103,6 +103,18 @@ fn column(values: Vec<f64>) -> Column {
     }
 }
 
+/// Divides cohesion and residual cohesion by `factor`, whatever they vary with; 1 leaves the bits as they are.
+pub fn reduce(material: &case::Material, columns: &mut [Column], factor: f64) {
+    let case::Material::VonMises { .. } = material else { return };
+    for (column, name) in columns.iter_mut().zip(Strength::NAMES) {
+        match (*name, column) {
+            ("cohesion" | "residual_cohesion", Column::Uniform(c)) => *c /= factor,
+            ("cohesion" | "residual_cohesion", Column::Varying(c)) => c.iter_mut().for_each(|c| *c /= factor),
+            _ => {}
+        }
+    }
+}
+
 /// Factors 1 + jitter U(-1, 1) on the strength of the points `first` to `first + n`.
 fn jitter(case: &Case, first: usize, n: usize) -> Vec<f64> {
     if case.jitter.strength == 0.0 {

@@ -73,6 +73,11 @@ pub fn build(case: &Case, max_memory: u64) -> Result<Scene, SceneError> {
 /// As [`build`], with the generators of the fields made before: [`Fields::of`] the same case, whatever its
 /// realisation.
 pub fn build_with(case: &Case, max_memory: u64, fields: &Fields) -> Result<Scene, SceneError> {
+    build_reduced(case, max_memory, fields, 1.0)
+}
+
+/// As [`build_with`], with all strengths divided by `factor`.
+pub fn build_reduced(case: &Case, max_memory: u64, fields: &Fields, factor: f64) -> Result<Scene, SceneError> {
     let need = case.memory_estimate_bytes();
     if need > max_memory {
         return Err(too_large(need, max_memory));
@@ -88,7 +93,7 @@ pub fn build_with(case: &Case, max_memory: u64, fields: &Fields) -> Result<Scene
     check_initial_stress(case)?;
     check_scheme(case)?;
     let drawn = fields.draw(case)?;
-    let (mut body, limited) = body(case, &outlines, &seeding, &drawn)?;
+    let (mut body, limited) = body(case, &outlines, &seeding, &drawn, factor)?;
     let (integrator, control) = integrator(case, grid, &mut body)?;
     let (in_situ, body) = in_situ(case, body);
     let mut simulation = Simulation::new(body, integrator, control, in_situ);
@@ -240,9 +245,15 @@ fn prepare<S: Shape<N>, const N: usize>(grid: Grid, body: &mut Body) -> Result<(
     Ok(())
 }
 
-/// One group of points for each material, in the order of the materials' names; with the number of
-/// parameter values that stopped at a limit.
-fn body(case: &Case, outlines: &[Outline], seeding: &Seeding, drawn: &[Drawn]) -> Result<(Body, u64), SceneError> {
+/// One group of points for each material, in the order of the materials' names, strengths divided by `factor`;
+/// with the number of parameter values that stopped at a limit.
+fn body(
+    case: &Case,
+    outlines: &[Outline],
+    seeding: &Seeding,
+    drawn: &[Drawn],
+    factor: f64,
+) -> Result<(Body, u64), SceneError> {
     let mut groups = Vec::new();
     let (mut first, mut limited) = (0, 0);
     for (index, (name, material)) in case.material.iter().enumerate() {
@@ -250,10 +261,12 @@ fn body(case: &Case, outlines: &[Outline], seeding: &Seeding, drawn: &[Drawn]) -
         let Some(varied) = Varied::new(case, name, drawn).filter(|_| !seeds.is_empty()) else { continue };
         let (points, stopped): (Vec<case::Material>, Vec<u64>) = seeds.iter().map(|s| varied.at(s.x)).unzip();
         limited += stopped.iter().sum::<u64>();
+        let mut params = materials::columns(case, &points, first)?;
+        materials::reduce(material, &mut params, factor);
         groups.push(GroupSeed {
             material: index as u16,
             law: materials::law(material, case.solver.kinematics),
-            params: materials::columns(case, &points, first)?,
+            params,
             points: seeds.iter().zip(&points).map(|(s, m)| seedling(case, outlines, s, m)).collect(),
         });
         first += seeds.len();

@@ -51,7 +51,7 @@ pub fn limited(points: u64) -> Option<Warning> {
 /// Small strain draws any displacement, and means only small ones.
 fn small_strain(case: &Case) -> Option<Warning> {
     (case.solver.kinematics == crate::case::Kinematics::Small).then(|| {
-        let text = "small strain: forces stay where the points started; displacements of more than part of a cell are drawn, not meant";
+        let text = "small strain: forces stay where the points started; displacements of more than part of a cell are drawn, not meant. Sliding distance and volume are those of what has moved since the onset of failure, read at slide.initial_level; without an onset they are 0";
         Warning::new("small_strain", "solver.kinematics", text.into())
     })
 }

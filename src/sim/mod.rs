@@ -145,6 +145,11 @@ impl Simulation {
         self.integrator.nodal_kinetic_energy()
     }
 
+    /// Work of gravity, loads and drives since the start, plus the energy at the start (kJ/m).
+    pub fn external_work(&self) -> f64 {
+        self.integrator.books().effects.external + self.initial_energy
+    }
+
     /// All energies, and the balance between them.
     pub fn energies(&self) -> Energies {
         let books = self.integrator.books();

@@ -4,6 +4,7 @@ mod clock;
 pub mod compare;
 pub mod converge;
 pub mod ensemble;
+pub mod strength_reduction;
 pub mod validate;
 pub mod variant;
 mod workers;

@@ -12,13 +12,14 @@ mod region;
 mod run;
 mod slide;
 mod solver;
+mod strength_reduction;
 
 use super::check;
 use super::keys::Keys;
-use super::log::Log;
+use super::log::{Log, Problem};
 use super::source::Span;
 use super::tree::Table;
-use super::types::Case;
+use super::types::{Case, Kinematics};
 
 /// Name of an item of a list that has none, by its place in the file: "region 1".
 pub(super) fn default_name(list: &str, index: usize) -> String {
@@ -57,9 +58,10 @@ fn tables(log: &Log, keys: &mut Keys<'_>) -> Option<Case> {
     let outlines = regions.as_deref().and_then(region::outlines);
     let field = field::fields(keys, materials.as_ref(), regions.as_deref());
     let slide = slide::slide(keys, outlines.as_deref());
+    let strength_reduction = strength_reduction::strength_reduction(keys, materials.as_ref());
     check::regions(log, grid.as_ref(), materials.as_ref(), regions.as_deref());
     let cell_at = grid.as_ref()?.cell_at;
-    let case = Case {
+    let mut case = Case {
         title: title?,
         seed: seed?,
         grid: grid?.value,
@@ -74,6 +76,7 @@ fn tables(log: &Log, keys: &mut Keys<'_>) -> Option<Case> {
         end: end?,
         output: output?,
         slide: slide?,
+        strength_reduction: strength_reduction?,
         boundary: boundary?,
         material: materials?.complete()?,
         region: regions?.into_iter().map(|region| region.value).collect::<Option<_>>()?,
@@ -82,5 +85,25 @@ fn tables(log: &Log, keys: &mut Keys<'_>) -> Option<Case> {
         ensemble: ensemble?,
         field: field?,
     };
+    end_after_failure(keys, &mut case)?;
     check::size(log, cell_at, &case).then_some(case)
+}
+
+/// A run of small strain ends where its displacements mean nothing more; without a crest nothing tells how far
+/// the soil has moved since the onset.
+fn end_after_failure(keys: &Keys<'_>, case: &mut Case) -> Option<()> {
+    match (&case.slide, case.end.after_failure) {
+        (None, Some(_)) => {
+            let message = "`end.after_failure` needs the table `slide`";
+            let problem = Problem::new(message, "displacements since the onset are watched for a slide");
+            let cursor = keys.named("end")?.table()?.named("after_failure")?;
+            cursor.key_error(problem.help("add `[slide]`, or leave `after_failure` out"));
+            None
+        }
+        (Some(slide), None) if case.solver.kinematics == Kinematics::Small => {
+            case.end.after_failure = slide.initial_levels.last().copied();
+            Some(())
+        }
+        _ => Some(()),
+    }
 }

@@ -1,7 +1,7 @@
 //! `[damping]`, `[jitter]`, `[end]` and `[output]`.
 
 use crate::case::keys::Keys;
-use crate::case::limits::{DURATION, FRACTION, INTERVAL, between};
+use crate::case::limits::{DURATION, FRACTION, INTERVAL, between, positive};
 use crate::case::types::{Damping, End, Jitter, Output};
 
 /// Reads `[damping]`.
@@ -29,8 +29,15 @@ pub(super) fn end(root: &mut Keys<'_>) -> Option<End> {
     let at_rest = keys.or("at_rest", true, |c| c.flag());
     let rest_energy = keys.or("rest_energy", 1e-3, |c| c.number(FRACTION));
     let rest_hold = keys.or("rest_hold", 4.0, |c| c.number(DURATION));
+    let after_failure = keys.optional("after_failure", |c| c.number(positive("m")));
     keys.finish();
-    Some(End { time: time?, at_rest: at_rest?, rest_energy: rest_energy?, rest_hold: rest_hold? })
+    Some(End {
+        time: time?,
+        at_rest: at_rest?,
+        rest_energy: rest_energy?,
+        rest_hold: rest_hold?,
+        after_failure: after_failure?,
+    })
 }
 
 /// Reads `[output]`.

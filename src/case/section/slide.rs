@@ -1,7 +1,8 @@
 //! `[slide]`: how the sliding distance is read. Its defaults come from the outline of the soil.
 
+use crate::case::cursor::Cursor;
 use crate::case::keys::Keys;
-use crate::case::limits::{COORDINATE, DURATION, figure, not_negative, positive};
+use crate::case::limits::{COORDINATE, DURATION, between, figure, not_negative, positive};
 use crate::case::log::Problem;
 use crate::case::outline::Extent;
 use crate::case::types::{RegionShape, Slide};
@@ -23,6 +24,13 @@ fn read(mut keys: Keys<'_>, outlines: Option<&[&RegionShape]>) -> Option<Slide> 
     let censored_above = length(&mut keys, "censored_above", width.map(|w| 0.9 * w));
     let block_hold = keys.or("block_hold", 0.5, |c| c.number(DURATION));
     let block_length = keys.or("block_length", 1.0, |c| c.number(not_negative("m")));
+    let levels = keys.or("initial_levels", vec![0.25, 0.5, 1.0], levels);
+    let middle = levels.as_ref().and_then(|l| l.get(l.len() / 2)).copied();
+    let level = match keys.get("initial_level") {
+        Some(cursor) => main_level(&cursor, levels.as_deref()),
+        None => middle,
+    };
+    let onset_energy = keys.or("onset_energy", 0.01, |c| c.number(between(1e-9, 1.0, "")));
     keys.finish();
     Some(Slide {
         crest: crest?,
@@ -31,7 +39,33 @@ fn read(mut keys: Keys<'_>, outlines: Option<&[&RegionShape]>) -> Option<Slide> 
         censored_above: censored_above?,
         block_hold: block_hold?,
         block_length: block_length?,
+        initial_levels: levels?,
+        initial_level: level?,
+        onset_energy: onset_energy?,
     })
+}
+
+/// Rising levels, at least one.
+fn levels(cursor: &Cursor<'_>) -> Option<Vec<f64>> {
+    let found = cursor.numbers(positive("m"))?;
+    if !found.is_empty() && found.windows(2).all(|pair| pair[0] < pair[1]) {
+        return Some(found);
+    }
+    let message = format!("`{}` is not a list of rising numbers", cursor.path);
+    cursor.error(Problem::new(message, "must be rising displacements, such as [0.25, 0.5, 1.0]"));
+    None
+}
+
+fn main_level(cursor: &Cursor<'_>, levels: Option<&[f64]>) -> Option<f64> {
+    let (level, levels) = (cursor.number(positive("m"))?, levels?);
+    if levels.contains(&level) {
+        return Some(level);
+    }
+    let message = format!("`{}` = {} is not one of the levels", cursor.path, figure(level));
+    let known: Vec<String> = levels.iter().map(|l| figure(*l)).collect();
+    let problem = Problem::new(message, format!("the levels are {}", known.join(", ")));
+    cursor.error(problem.help("add it to `slide.initial_levels`"));
+    None
 }
 
 /// A length whose default is measured on the soil; `None` where there is no soil to measure.

@@ -218,3 +218,69 @@ fn the_tangent_of_a_symmetric_problem_is_symmetric() {
         }
     }
 }
+
+/// 3 x 2 cells with points at the Gauss positions, under one stress.
+fn gauss_body(law: Box<dyn Law>, p: Strength, stress: Voigt) -> Body {
+    let at = crate::space::gauss::gauss(2);
+    let place = |k: usize| {
+        let (cell, q) = (k / 4, k % 4);
+        [0.5 * ((cell % 3) as f64 + at[q & 1]), 0.5 * ((cell / 3) as f64 + at[q >> 1])]
+    };
+    let points = (0..24).map(|k| Seedling { x: place(k), v: [0.0; 2], mass: 0.1, volume: 0.0625, stress }).collect();
+    let mut params = vec![Column::Uniform(0.0); Strength::NAMES.len()];
+    p.write(|k, v| params[k] = Column::Uniform(v));
+    Body::new(vec![GroupSeed { material: 0, law, params, points }])
+}
+
+/// Residual and stiffness where the nodes have moved by up to `amplitude` (m), in finite strain (RMPM) or small (RFEM).
+fn equations_at<K: Kinematics>(smooth: bool, stress: Voigt, amplitude: f64) -> (Vec<f64>, Vec<Vec<f64>>) {
+    let mut i = integrator(Linear, Setting { smooth, ..plain(Regime::QuasiStatic) });
+    let mut b = gauss_body(law::<K>(StrengthMeasure::Cauchy), clay(20.0), stress);
+    i.place(&b, &mut Work::default());
+    i.start(&mut b, CLOCK, None).expect("a start");
+    for axis in 0..2 {
+        for slot in 0..i.nodes.count {
+            i.system.du[axis][slot] = amplitude * noise(13 * slot + 5 * axis + 1);
+        }
+    }
+    i.evaluate(&mut b, CLOCK, None, 0).expect("a response");
+    equations(&mut i)
+}
+
+fn gap(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+/// Before anything moves RMPM with its points at the Gauss positions is RFEM: the same forces of the same stress and
+/// the same stiffness, up to the rounding of log and exp. (Under stress the tangent of finite strain has the geometric
+/// term too, so stiffness is compared without.)
+#[test]
+fn before_any_movement_rmpm_is_rfem() {
+    let stress = Voigt::new(1.0, -2.0, -0.5, 0.7);
+    for smooth in [false, true] {
+        let (finite, small) =
+            (equations_at::<Hencky>(smooth, stress, 0.0).0, equations_at::<Small>(smooth, stress, 0.0).0);
+        let largest = small.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
+        assert!(largest > 0.1 && gap(&finite, &small) < 1e-13 * largest, "{smooth}: {:e}", gap(&finite, &small));
+        let at_rest = (
+            equations_at::<Hencky>(smooth, Voigt::default(), 0.0).1,
+            equations_at::<Small>(smooth, Voigt::default(), 0.0).1,
+        );
+        for (finite, small) in at_rest.0.iter().zip(&at_rest.1) {
+            assert!(gap(finite, small) < 1e-13 * 1000.0, "{smooth}: {:e}", gap(finite, small));
+        }
+    }
+}
+
+/// With movement they part as the square of the strain: halving it leaves a quarter, up to a share of the strain.
+#[test]
+fn rmpm_leaves_rfem_with_the_square_of_the_strain() {
+    for smooth in [false, true] {
+        let apart = |by: f64| {
+            let finite = equations_at::<Hencky>(smooth, Voigt::default(), by).0;
+            gap(&finite, &equations_at::<Small>(smooth, Voigt::default(), by).0)
+        };
+        let (whole, half) = (apart(1e-4), apart(5e-5));
+        assert!(whole > 0.0 && (whole / half - 4.0).abs() < 0.02, "{smooth}: {whole:e} {half:e}");
+    }
+}

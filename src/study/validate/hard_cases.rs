@@ -121,7 +121,7 @@ impl End {
 
     fn is_clear(&self) -> bool {
         match self.outcome.status {
-            Status::EndTime | Status::AtRest => true,
+            Status::EndTime | Status::AtRest | Status::SlopeFailed => true,
             Status::Failed => self.outcome.fault.is_some(),
             Status::Interrupted | Status::ResourceCap => false,
         }

@@ -1,7 +1,7 @@
 //! How far a load that grows with time finds equilibrium.
 
 use super::setup::Run;
-use crate::fault::{Fault, FaultKind};
+use crate::fault::Fault;
 
 /// The last time with equilibrium, and the first without (s): no step, down to the shortest, leads
 /// from the one to the other.
@@ -38,11 +38,8 @@ pub(super) fn last_equilibrium(run: &mut Run) -> Result<Option<Bracket>, String>
     Ok(None)
 }
 
-/// Length of the step (s) in which equilibrium was lost, if that is the fault: iterations that lead
-/// nowhere, far away, or through a point turned inside out.
+/// Length of the step (s) in which equilibrium was lost, if that is the fault.
 pub(super) fn lost_balance(fault: &Fault) -> Option<f64> {
-    use FaultKind::{Inverted, NewtonDiverged, Singular, StepTooLong};
-    let lost = matches!(fault.kind, NewtonDiverged | Singular | StepTooLong | Inverted);
     let step = fault.values.iter().find(|(name, _)| name == "step_cut_to_s").map(|(_, step)| *step);
-    step.filter(|_| lost)
+    step.filter(|_| fault.kind.is_loss_of_balance())
 }

@@ -10,6 +10,7 @@ mod column;
 mod cook;
 mod courant;
 mod cut_cell;
+mod factor_of_safety;
 mod hard_cases;
 mod in_situ;
 mod incline;
@@ -103,6 +104,7 @@ pub fn problems() -> &'static [&'static dyn Problem] {
         &cook::Cook,
         &prandtl::Prandtl,
         &undrained_slopes::UndrainedSlopes,
+        &factor_of_safety::FactorOfSafety,
         &column::Column,
         &cantilever::Cantilever,
         &block_collapse::BlockCollapse,

@@ -15,7 +15,7 @@ pub(super) struct Run {
 }
 
 /// Memory that a validation run may take (bytes); the largest takes a few megabytes.
-const MEMORY: u64 = 1 << 30;
+pub(super) const MEMORY: u64 = 1 << 30;
 
 impl Run {
     /// The scene of a case file with some keys set.

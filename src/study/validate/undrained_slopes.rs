@@ -47,9 +47,9 @@ const FULL: f64 = 10.0;
 
 /// A slope on a firm base.
 #[derive(Clone, Copy)]
-struct Slope {
+pub(super) struct Slope {
     /// Its answer in the reference.
-    key: &'static str,
+    pub key: &'static str,
     /// Horizontal run over height.
     run: f64,
     /// Depth of the firm base below the crest, over H.
@@ -64,7 +64,7 @@ struct Slope {
     short: &'static [u32],
 }
 
-const SLOPES: [Slope; 4] = [
+pub(super) const SLOPES: [Slope; 4] = [
     Slope { key: "steep_1_5", run: 1.0, depth: 1.5, crest: 3.0, toe: 2.0, tight: false, short: &[10] },
     Slope { key: "steep_2", run: 1.0, depth: 2.0, crest: 3.0, toe: 3.0, tight: false, short: &[10] },
     Slope { key: "steep_1", run: 1.0, depth: 1.0, crest: 3.0, toe: 0.0, tight: true, short: &[10, 20] },
@@ -72,12 +72,12 @@ const SLOPES: [Slope; 4] = [
 ];
 
 impl Slope {
-    fn name(self, rows: u32) -> String {
+    pub fn name(self, rows: u32) -> String {
         format!("{}:1, D = {}, H/h = {rows}", self.run, self.depth)
     }
 
     /// A millionth of H is added along the slope: points on the line itself then lie in the soil.
-    fn keys(self, rows: u32) -> Vec<String> {
+    pub fn keys(self, rows: u32) -> Vec<String> {
         let h = HEIGHT / f64::from(rows);
         let metres = |share: f64| share * HEIGHT;
         let (crest, run, toe) = (metres(self.crest + 1e-6), metres(self.run), metres(self.toe));
