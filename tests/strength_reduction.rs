@@ -62,7 +62,11 @@ fn a_bracket_without_the_factor_is_refused_with_its_key() {
 fn a_varying_strength_is_divided_too() {
     let case = slope(&["jitter.strength=0.2"]);
     let strengths = |factor: f64| {
-        scene::build_reduced(&case, 1 << 30, &rmpm::scene::Fields::default(), factor).expect("a scene").simulation.snapshot().peak_strength
+        scene::build_reduced(&case, 1 << 30, &rmpm::scene::Fields::default(), factor)
+            .expect("a scene")
+            .simulation
+            .snapshot()
+            .peak_strength
     };
     let (whole, reduced) = (strengths(1.0), strengths(1.6));
     assert!(whole.iter().any(|c| *c != whole[0]));
