@@ -61,9 +61,13 @@ impl Binning {
         Binning { origin, width, censoring }
     }
 
-    /// Number of the bin of a value; on an edge, to rounding, the upper one.
-    fn index(&self, value: f64) -> i64 {
-        ((value - self.origin) / self.width + 1e-9).floor() as i64
+    /// Number of the bin of a value; on an edge, to rounding, the upper one, but none beyond the high limit.
+    /// `None` where the bins are too narrow to be told apart.
+    fn index(&self, value: f64) -> Option<i64> {
+        let place = |v: f64| (v - self.origin) / self.width;
+        let last = self.censoring.high.map_or(f64::INFINITY, |high| (place(high) - 1e-9).ceil() - 1.0);
+        let index = (place(value) + 1e-9).floor().min(last);
+        (self.width > 0.0 && index.abs() < 1e12).then_some(index as i64)
     }
 
     fn edge(&self, index: i64) -> f64 {
@@ -101,7 +105,8 @@ fn fitted(width: f64, resolution: f64, censoring: &Censoring) -> f64 {
         return width;
     };
     let most = ((high - low) / width * 1.5).floor().clamp(1.0, 1.5 * MOST) as u32;
-    let is_whole = |w: &f64| !(resolution > 0.0) || ((w / resolution).round() * resolution - w).abs() < 1e-9 * w;
+    let stepped = resolution > 0.0;
+    let is_whole = |w: &f64| !stepped || ((w / resolution).round() * resolution - w).abs() < 1e-9 * w;
     let distance = |w: &f64| (w / width).ln().abs();
     let widths = (1..=most).map(|k| (high - low) / f64::from(k)).filter(is_whole);
     let nearest = widths.min_by(|a, b| distance(a).total_cmp(&distance(b)));
@@ -110,15 +115,19 @@ fn fitted(width: f64, resolution: f64, censoring: &Censoring) -> f64 {
 
 impl Histogram {
     /// Of a sample; what is not finite is left out. `None` if nothing is left, or if the bins would be more than
-    /// 10 000 (bins chosen for other samples).
+    /// 10 000 or more than 1e12 bins from their origin (bins chosen for other samples).
     pub fn of(sample: &[f64], binning: &Binning) -> Option<Self> {
         let finite: Vec<f64> = sample.iter().copied().filter(|v| v.is_finite()).collect();
         let (n, c) = (finite.len(), &binning.censoring);
-        let index = || finite.iter().filter(|v| c.is_inside(**v)).map(|v| binning.index(*v));
-        let (first, last) = (index().min().unwrap_or(0), index().max().unwrap_or(-1));
-        let count = usize::try_from(last.checked_sub(first)?.checked_add(1)?).ok().filter(|k| *k <= 10_000)?;
+        let inside = finite.iter().filter(|v| c.is_inside(**v));
+        let index = inside.map(|v| binning.index(*v)).collect::<Option<Vec<i64>>>()?;
+        let first = index.iter().min().copied().unwrap_or(0);
+        let count = index.iter().max().map_or(0, |last| (last - first + 1) as usize);
+        if count > 10_000 {
+            return None;
+        }
         let mut counts = vec![0; count];
-        index().for_each(|k| counts[(k - first) as usize] += 1);
+        index.iter().for_each(|k| counts[(k - first) as usize] += 1);
         let bin = |from: f64, to: f64, count: usize| {
             let density = count as f64 / (n as f64 * (to - from));
             Bin { from, to, count, density }
@@ -207,6 +216,15 @@ mod tests {
         assert_eq!(of(&[5.0; 7], 0.0).unwrap().bins.len(), 1);
         let far = Binning { origin: 0.0, width: 1e-9, censoring: Censoring::default() };
         assert!(Histogram::of(&[-1e300, 1e300], &far).is_none());
+        for value in [1e300, -1e300] {
+            assert!(
+                Histogram::of(&[value], &far).is_none()
+                    && Histogram::of(&[value], &Binning { width: 0.0, ..far }).is_none()
+            );
+        }
+        // A whisker below the limit is in the last bin, not in one without width.
+        let edge = Histogram::of(&[1.0, 18.0 - 1e-12], &Binning { origin: 0.0, width: 3.0, censoring: BOTH }).unwrap();
+        assert!(totals(&edge).0 == 2 && (totals(&edge).1 - 1.0).abs() < 1e-12);
         let wild = [1.0, 1.0, 1.0, 1.0, 1.001, 1e6];
         assert!(Histogram::of(&wild, &Binning::of(&[&wild], Censoring::default(), 0.0)).unwrap().bins.len() <= 102);
     }

@@ -1,5 +1,5 @@
 //! Pictures of Monte Carlo ensembles, as line plots: histograms with fitted normals, exceedance, settling
-//! moments, pairs. Draw them with [`series`](super::series) or, several at once, with [`sheet`](super::sheet).
+//! moments, pairs. Draw them with [`series`](fn@super::series) or, several at once, with [`sheet`](fn@super::sheet).
 
 use super::axes::AxisSpec;
 use super::colour::{PALETTE, Rgb};
