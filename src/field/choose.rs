@@ -28,7 +28,7 @@ const CHECK: usize = 40_000_000;
 const CHECK_LEAST: usize = 16;
 /// Prices in nanoseconds (benches/field.rs): a finest cell, and an entry of a triangular factor.
 const PRICE_CELL: f64 = 8.0;
-const PRICE_ENTRY: f64 = 0.6;
+const PRICE_ENTRY: f64 = 0.4;
 
 /// What was chosen.
 pub(super) struct Chosen<E> {

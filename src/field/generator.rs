@@ -52,7 +52,7 @@ pub struct Spec {
 /// How far the covariance that a generator implies is from the target.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Accuracy {
-    /// Largest |implied - target| correlation of two cells.
+    /// Largest |implied - target| correlation of two cells, both over the target's variance.
     pub correlation_error: f64,
     /// Lag (m) along x and the vertical at which it is.
     pub at_lag_m: [f64; 2],
