@@ -18,8 +18,9 @@ const EXACT_MOST: usize = 10_000;
 const ROOTS: [usize; 2] = [FENTON, 1024];
 /// How much finer rows or columns may be.
 const FINER: [usize; 5] = [1, 2, 4, 8, 16];
-/// Finest cells, and lags of their table, that a generator may take.
-const CELLS_MOST: usize = 1 << 22;
+/// Finest cells of finer rows or columns.
+const FINEST_MOST: usize = 1 << 22;
+/// Lags of a table, where that is more than four a cell: a long thin lattice has tall cells in stage 0.
 const LAGS_MOST: usize = 10_000_000;
 /// Columns of the covariance that a candidate is first judged by.
 const PROBE: usize = 8;
@@ -89,7 +90,9 @@ impl Candidate {
 
     fn fits(&self, spec: &Spec) -> bool {
         let lags = las::lags(&self.plan(spec));
-        lags[0].saturating_mul(lags[1]) <= LAGS_MOST && (self.cells(spec) <= CELLS_MOST || self.finer == [1, 1])
+        let table = lags[0].saturating_mul(lags[1]);
+        let plain = self.finer == [1, 1];
+        table <= LAGS_MOST.max(4 * self.cells(spec)) && (plain || self.cells(spec) <= FINEST_MOST)
     }
 
     fn build(&self, spec: &Spec) -> Option<Squash> {
@@ -114,6 +117,11 @@ fn columns(finest: usize) -> usize {
 
 pub(super) fn keeps(accuracy: &Accuracy, bound: &Bound) -> bool {
     accuracy.correlation_error <= bound.correlation && accuracy.variance_error <= bound.variance
+}
+
+/// The two errors, in words.
+pub(super) fn errors(accuracy: &Accuracy) -> String {
+    format!("{:.3} and {:.1} %", accuracy.correlation_error, 100.0 * accuracy.variance_error)
 }
 
 /// What an accuracy is, in words.
@@ -142,7 +150,7 @@ pub(super) fn subdivision(
             Ok(accuracy) => {
                 let mut choice = format!("{}: {}", candidate.describe(spec), figures(&accuracy, spec));
                 if let Some((worse, name)) = best {
-                    choice += &format!("; cheaper ones are off by more, {name} by {:.3}", worse.correlation_error);
+                    choice += &format!("; of cheaper ones the best, {name}, is off by {}", errors(&worse));
                 }
                 return Ok(Chosen { engine: map, accuracy, choice });
             }

@@ -186,7 +186,7 @@ fn auto(spec: &Spec, target: &Table) -> Result<Generator, FieldError> {
         (Ok(mut generator), best) => {
             if let Some((worse, name)) = best {
                 generator.choice +=
-                    &format!("; no subdivision keeps the bound, {name} is off by {:.3}", worse.correlation_error);
+                    &format!("; no subdivision as cheap keeps the bound, {name} is off by {}", choose::errors(&worse));
             }
             generator.bounded(spec)
         }

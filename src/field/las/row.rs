@@ -71,14 +71,10 @@ impl Row<'_> {
 fn children(split: &Split, near: [f64; NEIGHBOURS], u: [f64; DRAWN]) -> [f64; 4] {
     let mut z = [0.0; 4];
     let mut others = 0.0;
-    for k in 0..DRAWN {
+    for (k, (a, c)) in split.a.iter().zip(&split.c).enumerate() {
         let mut sum = 0.0;
-        for q in 0..NEIGHBOURS {
-            sum += split.a[k][q] * near[q];
-        }
-        for l in 0..=k {
-            sum += split.c[k][l] * u[l];
-        }
+        a.iter().zip(&near).for_each(|(a, parent)| sum += a * parent);
+        c.iter().zip(&u).take(k + 1).for_each(|(c, u)| sum += c * u);
         z[k] = sum;
         others += sum;
     }

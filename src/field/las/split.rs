@@ -1,4 +1,4 @@
-//! How a cell of one stage is split into 2 x 2 cells of the next (Fenton and Vanmarcke 1990, eqs. 15-20).
+//! How a cell of one stage is split into 2 x 2 cells of the next (Fenton and Vanmarcke 1990).
 
 use nalgebra::{DMatrix, DVector, Matrix3, SymmetricEigen};
 
