@@ -1,6 +1,7 @@
 //! Which generator a lattice gets: the cheapest whose implied covariance keeps the bound.
 
 use super::{
+    embedding::Embedding,
     exact::Exact,
     generator::{Accuracy, Bound, FieldError, Method, Spec},
     implied::accuracy,
@@ -196,6 +197,17 @@ pub(super) fn exact(spec: &Spec, target: &Table) -> Result<Chosen<Exact>, FieldE
     let engine = Exact::new(target, spec.lattice.cells).ok_or(unavailable("the covariance matrix has no factor"))?;
     let accuracy = accuracy(&engine, target, &spec.lattice, CHECK_LEAST);
     let choice = format!("Cholesky factor of all {cells} cells: {}", figures(&accuracy, spec));
+    Ok(Chosen { engine, accuracy, choice })
+}
+
+/// Circulant embedding.
+pub(super) fn embedding(spec: &Spec) -> Result<Chosen<Embedding>, FieldError> {
+    let cells = spec.lattice.len();
+    let reason = "its periodic plane has more than 2^24 cells; take fewer or larger cells";
+    let too_large = |_| FieldError::Unavailable { method: Method::Embedding, cells, reason };
+    let engine = Embedding::new(&spec.correlation, &spec.lattice).map_err(too_large)?;
+    let accuracy = engine.accuracy();
+    let choice = format!("{}: {}", engine.words(), figures(&accuracy, spec));
     Ok(Chosen { engine, accuracy, choice })
 }
 

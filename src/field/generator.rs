@@ -6,7 +6,9 @@ pub use super::map::Scratch;
 use super::{
     choose::{self, Chosen},
     correlation::Correlation,
+    embedding::Embedding,
     exact::Exact,
+    implied,
     map::Map,
     normals::Normals,
     squash::Squash,
@@ -99,6 +101,7 @@ impl std::error::Error for FieldError {}
 enum Engine {
     Las(Squash),
     Exact(Exact),
+    Embedding(Embedding),
 }
 
 impl Engine {
@@ -106,6 +109,7 @@ impl Engine {
         match self {
             Engine::Las(las) => las,
             Engine::Exact(exact) => exact,
+            Engine::Embedding(embedding) => embedding,
         }
     }
 }
@@ -113,6 +117,7 @@ impl Engine {
 /// Makes fields; never changes, and is shared by threads.
 pub struct Generator {
     engine: Engine,
+    lattice: Lattice,
     accuracy: Accuracy,
     choice: String,
 }
@@ -130,15 +135,16 @@ impl Generator {
         let target = Table::new(&spec.correlation, spec.lattice.cell, spec.lattice.cells);
         let generator = match spec.method {
             Method::Auto => return auto(spec, &target),
-            Method::Las => Generator::of(choose::plain(spec, &target)?, Engine::Las),
-            Method::Exact => Generator::of(choose::exact(spec, &target)?, Engine::Exact),
-            Method::Embedding => embedding(spec)?,
+            Method::Las => Generator::of(spec, choose::plain(spec, &target)?, Engine::Las),
+            Method::Exact => Generator::of(spec, choose::exact(spec, &target)?, Engine::Exact),
+            Method::Embedding => Generator::of(spec, choose::embedding(spec)?, Engine::Embedding),
         };
         generator.bounded(spec)
     }
 
-    fn of<E>(chosen: Chosen<E>, engine: impl FnOnce(E) -> Engine) -> Generator {
-        Generator { engine: engine(chosen.engine), accuracy: chosen.accuracy, choice: chosen.choice }
+    fn of<E>(spec: &Spec, chosen: Chosen<E>, engine: impl FnOnce(E) -> Engine) -> Generator {
+        let Chosen { engine: built, accuracy, choice } = chosen;
+        Generator { engine: engine(built), lattice: spec.lattice, accuracy, choice }
     }
 
     /// This generator, if it keeps the bound.
@@ -160,6 +166,12 @@ impl Generator {
         &self.accuracy
     }
 
+    /// Lowest and highest implied correlation of two cells at each lag (cells), which must be less than the lattice;
+    /// over the pairs that hold one of up to 16 cells spread over the lattice.
+    pub fn implied(&self, lags: &[[usize; 2]]) -> Vec<[f64; 2]> {
+        implied::correlations(self.engine.map(), &self.lattice, lags)
+    }
+
     /// What was chosen and why.
     pub fn choice(&self) -> &str {
         &self.choice
@@ -174,13 +186,13 @@ impl Generator {
 fn auto(spec: &Spec, target: &Table) -> Result<Generator, FieldError> {
     let price = choose::exact_price(spec);
     let best = match choose::subdivision(spec, target, price.unwrap_or(f64::INFINITY)) {
-        Ok(chosen) => return Ok(Generator::of(chosen, Engine::Las)),
+        Ok(chosen) => return Ok(Generator::of(spec, chosen, Engine::Las)),
         Err(best) => best,
     };
     let other = if price.is_some() {
-        choose::exact(spec, target).map(|chosen| Generator::of(chosen, Engine::Exact))
+        choose::exact(spec, target).map(|chosen| Generator::of(spec, chosen, Engine::Exact))
     } else {
-        embedding(spec)
+        choose::embedding(spec).map(|chosen| Generator::of(spec, chosen, Engine::Embedding))
     };
     match (other, best) {
         (Ok(mut generator), best) => {
@@ -193,12 +205,6 @@ fn auto(spec: &Spec, target: &Table) -> Result<Generator, FieldError> {
         (Err(_), Some((best, method))) => Err(FieldError::Inaccurate { bound: spec.bound, best, method }),
         (Err(error), None) => Err(error),
     }
-}
-
-/// Not built in.
-fn embedding(spec: &Spec) -> Result<Generator, FieldError> {
-    let reason = "this program has no circulant embedding";
-    Err(FieldError::Unavailable { method: Method::Embedding, cells: spec.lattice.len(), reason })
 }
 
 /// Whether the numbers are in range.

@@ -60,6 +60,39 @@ pub fn accuracy(map: &dyn Map, target: &Table, lattice: &Lattice, most: usize) -
     worst
 }
 
+/// Cells whose pairs [`correlations`] looks at, most; and cells times columns, beyond the first two.
+const PAIRED: usize = 16;
+const PAIRS: usize = 4_000_000;
+
+/// Lowest and highest implied correlation at each lag (cells), less than the lattice, over the pairs that hold the
+/// first cell or one of the others looked at.
+pub fn correlations(map: &dyn Map, lattice: &Lattice, lags: &[[usize; 2]]) -> Vec<[f64; 2]> {
+    let mut implied = Columns::new(map);
+    let mut variances = vec![None; lattice.len()];
+    let mut found = vec![[f64::INFINITY, f64::NEG_INFINITY]; lags.len()];
+    let most = (PAIRS / lattice.len().max(1)).clamp(2, PAIRED);
+    for cell in std::iter::once(0).chain(spread(&distinct(map, lattice), most)) {
+        let column = implied.covariances(cell).to_vec();
+        for (lag, extremes) in lags.iter().zip(&mut found) {
+            let Some(other) = partner(cell, *lag, lattice) else { continue };
+            let variance = *variances[other].get_or_insert_with(|| implied.variance(other));
+            let correlation = column[other] / (column[cell] * variance).sqrt();
+            *extremes = [extremes[0].min(correlation), extremes[1].max(correlation)];
+        }
+    }
+    found
+}
+
+/// The cell at a lag to the right and above, or else to the left or below, if there is one.
+fn partner(cell: usize, lag: [usize; 2], lattice: &Lattice) -> Option<usize> {
+    let [x, z] = [cell % lattice.cells[0], cell / lattice.cells[0]];
+    let at = |x: usize, k: usize| {
+        let beyond = x.checked_add(lag[k]).filter(|x| *x < lattice.cells[k]);
+        beyond.or_else(|| x.checked_sub(lag[k]))
+    };
+    Some(at(z, 1)? * lattice.cells[0] + at(x, 0)?)
+}
+
 /// Compares one column.
 fn compare(column: &[f64], cell: usize, target: &Table, lattice: &Lattice, worst: &mut Accuracy) {
     let width = lattice.cells[0];

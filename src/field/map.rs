@@ -1,6 +1,6 @@
 //! The map from normals to a field: linear, and the same for every realisation.
 
-use super::normals::Source;
+use super::{embedding::Room, normals::Source};
 
 /// Buffers of a realisation; they grow with the first and are kept.
 #[derive(Default)]
@@ -13,6 +13,8 @@ pub struct Scratch {
     pub(super) fine: Vec<f64>,
     /// A row of children that lies outside the lattice.
     pub(super) row: Vec<f64>,
+    /// What a transform of a periodic plane works in.
+    pub(super) plane: Room,
 }
 
 /// z = W u: a field of `cells` numbers from `normals` standard normals.

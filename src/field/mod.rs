@@ -3,6 +3,7 @@
 
 mod choose;
 pub mod correlation;
+pub mod embedding;
 pub mod exact;
 pub mod generator;
 pub mod implied;
