@@ -117,6 +117,9 @@ fn json_is_all_that_goes_to_standard_output() {
     assert_eq!(report["summary"], json(out.join("summary.json")));
     assert_eq!(report["timing"], json(out.join("timing.json")));
     assert_eq!(report["timing"]["threads"], 2);
+    for name in ["histogram.png", "exceedance.png", "convergence.png"] {
+        assert!(read(out.join(name)).starts_with(b"\x89PNG"), "{name}");
+    }
     let timed = String::from_utf8(read(out.join("ensemble_timing.csv"))).expect("text");
     assert_eq!(timed.lines().count(), 3);
 }

@@ -5,6 +5,7 @@ use std::{fs, io, path::Path};
 use super::{
     Problem,
     journal::{self, Contents, Journal, Session},
+    pictures,
 };
 use crate::output::atomic;
 
@@ -58,7 +59,7 @@ pub fn open(path: &Path, session: &Session, start: Start) -> Result<(Journal, Co
 }
 
 fn clear(path: &Path) -> io::Result<()> {
-    for name in FILES {
+    for name in FILES.iter().chain(&pictures::FILES) {
         match fs::remove_file(path.join(name)) {
             Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(e),
             _ => {}

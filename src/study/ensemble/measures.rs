@@ -2,6 +2,7 @@
 
 use crate::{
     case::Case,
+    measure::onset::InitialFailure,
     run::{Outcome, Status, residual_strain},
 };
 
@@ -11,23 +12,13 @@ pub struct Measure {
     pub name: String,
     /// Unit; empty for counts and shares.
     pub unit: &'static str,
-    of: Reader,
-}
-
-enum Reader {
-    Fixed(fn(&Outcome) -> Option<f64>),
-    /// r by another threshold, by its name in the record.
-    SlideAt(String),
+    of: Box<dyn Fn(&Outcome) -> Option<f64> + Send + Sync>,
 }
 
 impl Measure {
     /// Its value in a run; `None` where it is not defined there or no finite number.
     pub fn of(&self, outcome: &Outcome) -> Option<f64> {
-        let value = match &self.of {
-            Reader::Fixed(of) => of(outcome),
-            Reader::SlideAt(key) => outcome.measures.sliding_distance_at.get(key).copied(),
-        };
-        value.filter(|v| v.is_finite())
+        (self.of)(outcome).filter(|v| v.is_finite())
     }
 }
 
@@ -41,13 +32,13 @@ pub const CENSORED: &str = "sliding_distance_censored";
 
 const FIXED: &[Fixed] = &[
     (SLIDING_DISTANCE, "m", |o| o.measures.sliding_distance_m),
-    (CENSORED, "", |o| {
-        o.measures.sliding_distance_m.map(|_| f64::from(u8::from(o.measures.sliding_distance_censored)))
-    }),
+    (CENSORED, "", |o| o.measures.sliding_distance_m.map(|_| flag(o.measures.sliding_distance_censored))),
     ("blocks", "", |o| o.measures.blocks.map(|b| b as f64)),
     ("first_block_m", "m", |o| o.measures.plateaus.first().map(|p| p.sliding_distance_m)),
     ("slide_volume_m3_per_m", "m3/m", |o| o.measures.slide_volume_m3_per_m),
     ("runout_m", "m", |o| Some(o.measures.runout_m)),
+    ("slope_failed", "", |o| o.measures.slope_failed.map(flag)),
+    ("onset_time_s", "s", |o| o.measures.onset_time_s),
     ("end_time_s", "s", |o| Some(o.time)),
     ("rest_time_s", "s", |o| (o.status == Status::AtRest).then_some(o.time)),
     ("external_kj_per_m", "kJ/m", |o| Some(o.measures.energy_kj_per_m.external)),
@@ -63,21 +54,49 @@ const FIXED: &[Fixed] = &[
     }),
 ];
 
-/// All measures of a case.
-pub fn list(case: &Case) -> Vec<Measure> {
-    let fixed = FIXED.iter().map(|&(name, unit, of)| Measure { name: name.to_owned(), unit, of: Reader::Fixed(of) });
-    let slide_at =
-        |key: String| Measure { name: format!("{SLIDING_DISTANCE}_at_{key}"), unit: "m", of: Reader::SlideAt(key) };
-    fixed.chain(further_thresholds(case).into_iter().map(slide_at)).collect()
+fn flag(value: bool) -> f64 {
+    f64::from(u8::from(value))
 }
 
-/// Names, in the record, of the other thresholds of r.
-fn further_thresholds(case: &Case) -> Vec<String> {
+/// All measures of a case.
+pub fn list(case: &Case) -> Vec<Measure> {
+    let fixed = FIXED.iter().map(|&(name, unit, of)| Measure { name: name.to_owned(), unit, of: Box::new(of) });
+    fixed.chain(further_thresholds(case)).chain(first_slides(case)).collect()
+}
+
+/// r by the other thresholds, under their names in the record.
+fn further_thresholds(case: &Case) -> Vec<Measure> {
     let Some(slide) = &case.slide else { return Vec::new() };
-    let mut names: Vec<String> = slide.also.iter().map(|t| format!("{t}")).collect();
-    names.extend(residual_strain(case).map(|_| "residual_strength".to_owned()));
-    names.dedup();
-    names
+    let mut keys: Vec<String> = slide.also.iter().map(|t| format!("{t}")).collect();
+    keys.extend(residual_strain(case).map(|_| "residual_strength".to_owned()));
+    keys.sort();
+    keys.dedup();
+    let measure = |key: String| Measure {
+        name: format!("{SLIDING_DISTANCE}_at_{key}"),
+        unit: "m",
+        of: Box::new(move |o| o.measures.sliding_distance_at.get(&key).copied()),
+    };
+    keys.into_iter().map(measure).collect()
+}
+
+/// r and volume of the first slide at each level; 0 where the level was not reached.
+fn first_slides(case: &Case) -> Vec<Measure> {
+    let mut levels = case.slide.as_ref().map_or(Vec::new(), |slide| slide.initial_levels.clone());
+    levels.sort_by(f64::total_cmp);
+    levels.dedup();
+    let at = |level: f64, name: &str, unit, of: fn(&InitialFailure) -> f64| Measure {
+        name: format!("initial_{name}_at_{level}"),
+        unit,
+        of: Box::new(move |o| {
+            let found = o.measures.initial_failure.iter().find(|f| f.level_m == level);
+            o.measures.slope_failed.map(|_| found.map_or(0.0, of))
+        }),
+    };
+    let both = |level: f64| {
+        let distance = at(level, SLIDING_DISTANCE, "m", |f| f.by_clusters.sliding_distance_m);
+        [distance, at(level, "volume_m3_per_m", "m3/m", |f| f.by_clusters.volume_m3_per_m)]
+    };
+    levels.into_iter().flat_map(both).collect()
 }
 
 #[cfg(test)]
@@ -89,7 +108,12 @@ mod tests {
         let text = include_str!("../../../cases/clay-slope.toml");
         let (case, _) = crate::case::read("slope", text, &[]).unwrap_or_else(|e| panic!("{e}"));
         let names: Vec<String> = list(&case).into_iter().map(|m| m.name).collect();
-        for name in ["sliding_distance_m", "sliding_distance_m_at_0.5", "sliding_distance_m_at_residual_strength"] {
+        for name in [
+            "sliding_distance_m",
+            "sliding_distance_m_at_0.5",
+            "sliding_distance_m_at_residual_strength",
+            "initial_volume_m3_per_m_at_0.25",
+        ] {
             assert_eq!(names.iter().filter(|n| *n == name).count(), 1, "{name}");
         }
         let mut unique = names.clone();

@@ -7,6 +7,7 @@ mod folder;
 mod journal;
 mod measures;
 pub mod merge;
+mod pictures;
 mod realise;
 mod results;
 mod row;
@@ -239,6 +240,7 @@ fn write(out: &Path, results: &Results, spent: &Spent) -> io::Result<Report> {
     write_text(&out.join("ensemble_timing.csv"), &tables::timing_csv(results)?)?;
     write_json(&out.join("summary.json"), &report.summary)?;
     write_json(&out.join("timing.json"), &report.timing)?;
+    pictures::draw(out, results)?;
     Ok(report)
 }
 

@@ -15,7 +15,7 @@ use super::{
 use crate::{
     case::Case,
     run::{self, Blind, Limits, Outcome, Status},
-    scene::{self, Fields, Scene, SceneError},
+    scene::{self, FieldNote, Fields, Scene, SceneError},
     study::clock,
     work::Work,
 };
@@ -68,7 +68,7 @@ impl Row {
         }
     }
 
-    fn new(case: &Case, realisation: Draw, measures: &[Measure], outcome: &Outcome, work: &Work) -> Self {
+    fn new(case: &Case, realisation: Draw, measures: &[Measure], outcome: &Outcome, scene: &Scene) -> Self {
         let sound = outcome.fault.is_none();
         // what a run had when it failed is no result
         let value = |m: &Measure| m.of(outcome).filter(|_| sound).map(|v| (m.name.clone(), v));
@@ -76,16 +76,19 @@ impl Row {
             status: outcome.status,
             fault: outcome.fault.as_ref().map(|fault| fault.to_string()),
             measures: measures.iter().filter_map(value).collect(),
-            work: counters(work),
+            work: counters(&scene.simulation.work, &scene.fields),
             ..Row::failed(case, realisation, String::new())
         }
     }
 }
 
-/// Counters by name; one that is no finite number is left out.
-pub fn counters(work: &Work) -> BTreeMap<String, f64> {
+/// Counters by name, and what was done to the cells of the fields; one that is no finite number is left out.
+pub fn counters(work: &Work, fields: &[FieldNote]) -> BTreeMap<String, f64> {
     let Ok(serde_json::Value::Object(map)) = serde_json::to_value(work) else { return BTreeMap::new() };
-    map.into_iter().filter_map(|(name, value)| Some((name, value.as_f64()?))).collect()
+    let sum = |of: fn(&FieldNote) -> u64| fields.iter().map(of).sum::<u64>() as f64;
+    let cells = [("floored_cells", sum(|f| f.counts.floored)), ("redrawn_fields", sum(|f| f.counts.redrawn))];
+    let cells = cells.map(|(name, count)| (name.to_owned(), count));
+    map.into_iter().filter_map(|(name, value)| Some((name, value.as_f64()?))).chain(cells).collect()
 }
 
 /// What all draws of an ensemble share.
@@ -132,7 +135,7 @@ impl<'a> Realiser<'a> {
     fn solve(&self, draw: Draw) -> Result<Row, String> {
         let (case, mut scene) = self.scene(draw).map_err(|e| e.to_string())?;
         let outcome = run::run(&case, &mut scene, self.limits, &mut Blind).map_err(|e| e.to_string())?;
-        Ok(Row::new(self.case, draw, &self.measures, &outcome, &scene.simulation.work))
+        Ok(Row::new(self.case, draw, &self.measures, &outcome, &scene))
     }
 }
 
@@ -158,7 +161,7 @@ pub(super) mod tests {
             status: Status::AtRest,
             fault: None,
             measures: BTreeMap::from([(name.to_owned(), value)]),
-            work: counters(&Work { steps: 10 + k, ..Work::default() }),
+            work: counters(&Work { steps: 10 + k, ..Work::default() }, &[]),
         };
         Done { row, cost: Cost { cpu_s: Some(0.5), wall_s: 0.6, worker: 1 } }
     }
@@ -175,7 +178,7 @@ pub(super) mod tests {
     #[test]
     fn counters_have_the_names_of_the_record() {
         let work = Work { steps: 12, max_solve_residual: f64::NAN, ..Work::default() };
-        let map = counters(&work);
+        let map = counters(&work, &[]);
         assert_eq!(map.get("steps"), Some(&12.0));
         assert!(map.contains_key("particle_steps") && !map.contains_key("max_solve_residual"));
     }

@@ -15,7 +15,7 @@ use crate::work::Work;
 /// Those of the writer.
 pub fn csv(results: &Results) -> io::Result<String> {
     let measures: Vec<String> = measures::list(&results.case).into_iter().map(|m| m.name).collect();
-    let work: Vec<String> = counters(&Work::default()).into_keys().collect();
+    let work: Vec<String> = counters(&Work::default(), &[]).into_keys().collect();
     let mut writer = csv::Writer::from_writer(Vec::new());
     let head = ["realisation", "seed", "antithetic", "status", "fault"].map(str::to_owned);
     writer.write_record(head.iter().chain(&measures).chain(&work))?;

@@ -3,6 +3,7 @@
 use std::{collections::BTreeMap, fs};
 
 use super::{
+    Problem, Start, folder,
     journal::{self, Contents, Journal, Session},
     realise::{Draw, Shard},
     row::{Done, tests::done_with},
@@ -106,7 +107,44 @@ fn rows_that_differ_and_rows_of_another_ensemble_are_found() {
     let mut other = Journal::open(folder.path(), &known, &session(2)).unwrap();
     other.rows([done_with(0, "x", 1.0)].iter()).unwrap();
     let contents = read(&folder);
-    assert!(!contents.finished);
     assert_eq!((contents.foreign.len(), contents.done), (2, truth()));
     assert!(fs::read(folder.path().join(journal::NAME)).unwrap().starts_with(&bytes));
+}
+
+/// Opening the folder of session 1 to go on with another one.
+fn resumed(session: &Session) -> Result<Vec<String>, String> {
+    let (folder, _) = written();
+    match folder::open(folder.path(), session, Start::Resume) {
+        Ok((_, known, notes)) => {
+            assert_eq!(known.done, truth());
+            Ok(notes)
+        }
+        Err(Problem::Refused(text)) => Err(text),
+        Err(other) => panic!("{other}"),
+    }
+}
+
+#[test]
+fn only_the_same_ensemble_is_gone_on_with_and_another_program_is_told() {
+    assert_eq!(resumed(&Session { realisations: 9, ..session(1) }), Ok(Vec::new()));
+    let refused = |session: Session| resumed(&session).expect_err("refused");
+    assert!(refused(session(2)).contains("seed is 1"));
+    assert!(refused(Session { case_hash: "45".to_owned(), ..session(1) }).contains("another case"));
+    assert!(refused(Session { schema_version: 99, ..session(1) }).contains("schema version"));
+    assert!(refused(Session { shard: Shard { index: 1, of: 2 }, ..session(1) }).contains("shard 1/1"));
+    let built = |build: Build| resumed(&Session { build, ..session(1) }).unwrap().join(" ");
+    assert!(built(Build { fp_path: "fused".to_owned(), ..Build::current() }).contains("arithmetic"));
+    assert!(built(Build { commit: "another".to_owned(), ..Build::current() }).contains("another"));
+}
+
+#[test]
+fn a_folder_is_not_started_over_before_it_is_finished() {
+    let (folder, bytes) = written();
+    let open = |start| folder::open(folder.path(), &session(1), start).map(|(_, known, _)| known.done.len());
+    assert_eq!(open(Start::New).unwrap(), 0);
+    // the session that this has begun is not finished
+    assert!(matches!(open(Start::New), Err(Problem::Refused(text)) if text.contains("--resume")));
+    fs::write(folder.path().join(journal::NAME), &bytes).unwrap();
+    assert_eq!(open(Start::Resume).unwrap(), 4);
+    assert_eq!(open(Start::Fresh).unwrap(), 0);
 }
