@@ -19,6 +19,8 @@ pub struct Args {
 enum What {
     /// The explicit and the implicit scheme on one case: onset, slide, energies, CPU time
     Schemes(Schemes),
+    /// RFEM and RMPM on the same random fields: pairs of r, histograms over each other
+    Rfem(super::study::RfemArgs),
 }
 
 #[derive(Debug, clap::Args)]
@@ -49,8 +51,10 @@ struct Schemes {
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let What::Schemes(args) = &args.what;
-    schemes(args)
+    match &args.what {
+        What::Schemes(args) => schemes(args),
+        What::Rfem(args) => super::study::rfem(args),
+    }
 }
 
 fn schemes(args: &Schemes) -> Result<(), Failure> {

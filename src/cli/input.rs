@@ -67,7 +67,7 @@ impl CaseArgs {
     }
 }
 
-fn read_text(path: &std::path::Path) -> Result<String, Failure> {
+pub fn read_text(path: &std::path::Path) -> Result<String, Failure> {
     let name = path.display().to_string();
     let fail = |e: std::io::Error| match e.kind() {
         std::io::ErrorKind::InvalidData => Failure::Input(format!("{name}: not a text file (UTF-8)")),
@@ -86,7 +86,7 @@ fn read_text(path: &std::path::Path) -> Result<String, Failure> {
 }
 
 /// A size with an optional unit: B, kB, MB, GB, KiB, MiB, GiB.
-fn size(text: &str) -> Result<u64, String> {
+pub fn size(text: &str) -> Result<u64, String> {
     let digits = text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len());
     let (number, unit) = text.split_at(digits);
     let number: f64 = number.trim().parse().map_err(|_| format!("'{text}' is no size; try 4GiB"))?;

@@ -13,6 +13,7 @@ mod new;
 mod plot;
 mod progress;
 mod solve;
+mod study;
 mod summary;
 mod validate;
 
@@ -48,6 +49,8 @@ enum Verb {
     Converge(converge::Args),
     /// Compare the explicit with the implicit scheme on one case
     Compare(compare::Args),
+    /// Run several ensembles side by side, with tables, pictures and a report
+    Study(study::Args),
     /// Run the problems with known answers and compare
     Validate(validate::Args),
     /// Redraw the pictures of a run from its frames
@@ -71,6 +74,7 @@ pub fn main() -> ExitCode {
         Verb::Merge(args) => merge::run(&args),
         Verb::Converge(args) => converge::run(&args),
         Verb::Compare(args) => compare::run(&args),
+        Verb::Study(args) => study::run(&args),
         Verb::Validate(args) => validate::run(&args),
         Verb::Plot(args) => plot::run(&args),
         Verb::Completions { shell } => {

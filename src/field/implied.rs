@@ -33,6 +33,14 @@ impl<'a> Columns<'a> {
         self.map.apply(&mut Given(&self.normals), &mut self.scratch, &mut self.column);
         &self.column
     }
+
+    /// Variance of a cell.
+    pub fn variance(&mut self, cell: usize) -> f64 {
+        self.unit[cell] = 1.0;
+        self.map.adjoint(&self.unit, &mut self.scratch, &mut self.normals);
+        self.unit[cell] = 0.0;
+        self.normals.iter().map(|w| w * w).sum()
+    }
 }
 
 /// Errors of the implied covariance in at most `most` columns, spread over the lattice; `target` must have

@@ -1,5 +1,6 @@
 //! Studies: many runs to answer one question.
 
+pub mod arms;
 mod clock;
 pub mod compare;
 pub mod converge;

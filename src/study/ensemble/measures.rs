@@ -27,6 +27,8 @@ type Fixed = (&'static str, &'static str, fn(&Outcome) -> Option<f64>);
 
 /// The name of the first measure: r.
 pub const SLIDING_DISTANCE: &str = "sliding_distance_m";
+/// Volume of the slide.
+pub const SLIDE_VOLUME: &str = "slide_volume_m3_per_m";
 /// 1 where r has reached the wall, 0 elsewhere.
 pub const CENSORED: &str = "sliding_distance_censored";
 
@@ -35,7 +37,7 @@ const FIXED: &[Fixed] = &[
     (CENSORED, "", |o| o.measures.sliding_distance_m.map(|_| flag(o.measures.sliding_distance_censored))),
     ("blocks", "", |o| o.measures.blocks.map(|b| b as f64)),
     ("first_block_m", "m", |o| o.measures.plateaus.first().map(|p| p.sliding_distance_m)),
-    ("slide_volume_m3_per_m", "m3/m", |o| o.measures.slide_volume_m3_per_m),
+    (SLIDE_VOLUME, "m3/m", |o| o.measures.slide_volume_m3_per_m),
     ("runout_m", "m", |o| Some(o.measures.runout_m)),
     ("slope_failed", "", |o| o.measures.slope_failed.map(flag)),
     ("onset_time_s", "s", |o| o.measures.onset_time_s),
@@ -77,6 +79,11 @@ fn further_thresholds(case: &Case) -> Vec<Measure> {
         of: Box::new(move |o| o.measures.sliding_distance_at.get(&key).copied()),
     };
     keys.into_iter().map(measure).collect()
+}
+
+/// The name of r of the first slide at the main level.
+pub fn first_slide(case: &Case) -> Option<String> {
+    case.slide.as_ref().map(|slide| format!("initial_{SLIDING_DISTANCE}_at_{}", slide.initial_level))
 }
 
 /// r and volume of the first slide at each level; 0 where the level was not reached.

@@ -21,6 +21,7 @@ mod timing;
 mod until;
 
 pub use folder::Start;
+pub use measures::{SLIDE_VOLUME, SLIDING_DISTANCE, first_slide};
 pub use realise::{Shard, is_random};
 pub use results::Results;
 pub use summary::Summary;

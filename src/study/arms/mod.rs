@@ -1,0 +1,191 @@
+//! `rmpm study` and `rmpm compare rfem`: ensembles of one case side by side, each with some keys
+//! changed, and RFEM beside RMPM on the same random fields.
+
+mod figures;
+mod pairs;
+mod picture;
+mod remarks;
+mod report;
+
+pub use figures::Figures;
+pub use pairs::Pairs;
+pub use picture::draw;
+pub use report::{markdown, table};
+
+use std::{path::Path, sync::atomic::AtomicBool, time::Duration};
+
+use serde::Serialize;
+
+use super::ensemble::{self, Ended, Problem, Shard, Start, Watch};
+use crate::{
+    case::{self, Arm, Case, Study},
+    output::{
+        folder::{claim, write_text},
+        record::{Build, SCHEMA_VERSION},
+    },
+};
+
+/// The keys that turn a case into RFEM: small strain on the fixed mesh of the same cells, points at
+/// their Gauss positions, the same strengths, base and gravity; equilibrium up to the onset of failure,
+/// then backward Euler until the slide is plain (REFERENCE: the paper's RFEM is one of small strain).
+pub const RFEM: [&str; 8] = [
+    "solver.scheme=implicit",
+    "solver.kinematics=small",
+    "solver.locking=b_bar",
+    "implicit.regime=auto",
+    "implicit.inertia=backward_euler",
+    "implicit.time_step=0.05",
+    "implicit.min_time_step=0.005",
+    "implicit.residual=1e-6",
+];
+
+/// What is run, and how.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    pub study: Study,
+    /// Name and text of the case file.
+    pub name: String,
+    pub text: String,
+    /// Realisations of all arms, in place of those of the study.
+    pub realisations: Option<u64>,
+    pub start: Start,
+    /// Realisations at a time; 0 is one a core.
+    pub threads: usize,
+    pub max_memory: u64,
+    /// Wall time after which none is begun any more.
+    pub time_limit: Option<Duration>,
+    pub stop: &'static AtomicBool,
+    pub abandon: &'static AtomicBool,
+}
+
+/// An arm that has been run.
+pub struct Ran {
+    pub arm: Arm,
+    pub case: Case,
+    pub rmpm: Ended,
+    pub rfem: Option<Ended>,
+}
+
+/// The study, as `study.json` holds it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    pub schema_version: u32,
+    pub build: Build,
+    pub title: String,
+    pub case: String,
+    pub arms: Vec<ArmReport>,
+    /// What the figures say and do not say, in plain words.
+    pub remarks: Vec<String>,
+}
+
+/// One arm in figures.
+#[derive(Clone, Debug, Serialize)]
+pub struct ArmReport {
+    #[serde(flatten)]
+    pub arm: Arm,
+    pub folder: String,
+    pub rmpm: Figures,
+    pub rfem: Option<Figures>,
+    pub pairs: Option<Pairs>,
+}
+
+/// Who is told how a study goes.
+pub struct Viewer<'a> {
+    /// An ensemble begins, by its name; what it gives is told how many of how many draws are done.
+    pub begin: &'a dyn Fn(&str) -> Box<dyn Fn(usize, usize)>,
+    /// What the user should know at once.
+    pub note: &'a dyn Fn(&str),
+}
+
+/// Runs the arms one after another, each on all threads. What is done is kept, so that an interrupted study
+/// can be gone on with; the arms after an interrupt are left out of the result.
+///
+/// # Errors
+/// A case or a change that cannot be read, before anything is run; those of the ensembles.
+pub fn study(plan: &Plan, out: &Path, viewer: &Viewer) -> Result<Vec<Ran>, Problem> {
+    let cases = plan.study.arms.iter().map(|arm| cases(plan, arm)).collect::<Result<Vec<_>, _>>()?;
+    let mut done = Vec::new();
+    for (arm, (case, rfem_case)) in plan.study.arms.iter().zip(cases) {
+        let rmpm = run(plan, arm, &case, &arm.name, &out.join(arm.folder()), viewer)?;
+        let whole = rmpm.results.complete();
+        let rfem = rfem_case.filter(|_| whole).map(|case| {
+            let label = format!("{}, RFEM", arm.name);
+            run(plan, arm, &case, &label, &out.join(format!("{}-rfem", arm.folder())), viewer)
+        });
+        let rfem = rfem.transpose()?;
+        let whole = whole && rfem.as_ref().is_none_or(|e| e.results.complete());
+        done.push(Ran { arm: arm.clone(), case, rmpm, rfem });
+        if !whole {
+            break;
+        }
+    }
+    Ok(done)
+}
+
+/// The case of an arm, and that of RFEM beside it.
+fn cases(plan: &Plan, arm: &Arm) -> Result<(Case, Option<Case>), Problem> {
+    let own: Vec<String> = plan.study.set.iter().chain(&arm.set).cloned().collect();
+    let read = |more: &[&str]| {
+        let sets: Vec<String> = own.iter().cloned().chain(more.iter().map(|s| (*s).to_owned())).collect();
+        let refused = |e: case::Diagnostics| Problem::Refused(format!("arm \"{}\":\n{}", arm.name, e.render(false)));
+        case::read(&plan.name, &plan.text, &sets).map(|(case, _)| case).map_err(refused)
+    };
+    Ok((read(&[])?, if arm.rfem { Some(read(&RFEM)?) } else { None }))
+}
+
+fn run(plan: &Plan, arm: &Arm, case: &Case, label: &str, out: &Path, viewer: &Viewer) -> Result<Ended, Problem> {
+    let _lock = claim(out)?;
+    let realisations = plan.realisations.or(arm.realisations).or(plan.study.realisations);
+    let plan = ensemble::Plan {
+        case: case.clone(),
+        first: 0,
+        realisations: realisations.unwrap_or(case.ensemble.realisations),
+        shard: Shard::WHOLE,
+        start: plan.start,
+        threads: plan.threads,
+        max_memory: plan.max_memory,
+        time_limit: plan.time_limit,
+        stop: plan.stop,
+        abandon: plan.abandon,
+    };
+    let progress = (viewer.begin)(label);
+    ensemble::ensemble(&plan, out, &Watch { progress: &progress, note: viewer.note })
+}
+
+/// The study in figures.
+pub fn report(plan: &Plan, ran: &[Ran]) -> Report {
+    let arms: Vec<ArmReport> = ran.iter().map(arm_report).collect();
+    Report {
+        schema_version: SCHEMA_VERSION,
+        build: Build::current(),
+        title: plan.study.title.clone(),
+        case: plan.name.clone(),
+        remarks: remarks::remarks(&arms),
+        arms,
+    }
+}
+
+fn arm_report(ran: &Ran) -> ArmReport {
+    ArmReport {
+        arm: ran.arm.clone(),
+        folder: ran.arm.folder(),
+        rmpm: Figures::of(&ran.rmpm),
+        rfem: ran.rfem.as_ref().map(Figures::of),
+        pairs: ran.rfem.as_ref().map(|rfem| Pairs::of(&ran.rmpm, rfem)),
+    }
+}
+
+/// Writes `study.json`, the pairs of each arm with RFEM, and the report.
+///
+/// # Errors
+/// Those of the file system.
+pub fn write(out: &Path, report: &Report) -> std::io::Result<()> {
+    let json = serde_json::to_string_pretty(report).map_err(std::io::Error::other)?;
+    write_text(&out.join("study.json"), &(json + "\n"))?;
+    for arm in &report.arms {
+        if let Some(pairs) = &arm.pairs {
+            write_text(&out.join(format!("{}-pairs.csv", arm.folder)), &pairs.csv())?;
+        }
+    }
+    write_text(&out.join("report.md"), &markdown(report))
+}
