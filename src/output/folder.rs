@@ -102,12 +102,14 @@ impl Observer for Folder {
     }
 
     fn frame(&mut self, snapshot: &Snapshot) -> io::Result<()> {
-        if self.frames.last().is_some_and(|(t, _)| *t == snapshot.time) {
+        // the frame of an onset comes late
+        let place = self.frames.partition_point(|(t, _)| *t < snapshot.time);
+        if self.frames.get(place).is_some_and(|(t, _)| *t == snapshot.time) {
             return Ok(());
         }
         let name = format!("frames/{:05}.vtp", self.frames.len());
         vtk::write_vtp(&self.path.join(&name), snapshot)?;
-        self.frames.push((snapshot.time, name));
+        self.frames.insert(place, (snapshot.time, name));
         self.history.flush()?;
         // the index is written anew with each frame, so that a run cut short can be looked at
         vtk::write_pvd(&self.path.join("run.pvd"), &self.frames)

@@ -78,7 +78,7 @@ pub trait Observer {
         Ok(())
     }
 
-    /// A frame.
+    /// A frame. Times rise, but that of the onset of failure comes when the onset is known to be one.
     fn frame(&mut self, _snapshot: &Snapshot) -> std::io::Result<()> {
         Ok(())
     }
@@ -120,6 +120,8 @@ const LOOK: u64 = 16;
 struct Loop<'a> {
     case: &'a Case,
     slide: Option<SlideWatch<'a>>,
+    /// What an onset looked like that may still turn out to be a wave.
+    onset: Option<Snapshot>,
     rest: Rest,
     dt: StepRange,
     next_sample: f64,
@@ -162,6 +164,7 @@ impl<'a> Loop<'a> {
         Loop {
             case,
             slide: case.slide.as_ref().map(|keys| SlideWatch::new(case, keys, scene)),
+            onset: None,
             rest: Rest::new(case.end.rest_energy, case.end.rest_hold, case.grid.cell, case.loading_end()),
             dt: StepRange { min: f64::INFINITY, mean: 0.0, max: 0.0 },
             next_sample: 0.0,
@@ -178,7 +181,7 @@ impl<'a> Loop<'a> {
         self.dt.min = self.dt.min.min(sim.dt);
         self.dt.max = self.dt.max.max(sim.dt);
         let begun = self.slide.as_mut().is_some_and(|slide| slide.note_event(sim.events()));
-        if begun { show(sim, observer) } else { Ok(()) }
+        self.show_onset(begun, sim, observer)
     }
 
     /// Takes the samples and frames that are due.
@@ -217,7 +220,16 @@ impl<'a> Loop<'a> {
         let r = self.slide.as_mut().map_or(0.0, |slide| slide.sliding_distance(sim));
         self.rest.note(sim.time, sim.nodal_kinetic_energy(), r, sim.settling());
         let begun = self.slide.as_mut().is_some_and(|slide| slide.note_motion(sim));
-        if begun { show(sim, observer) } else { Ok(()) }
+        self.show_onset(begun, sim, observer)
+    }
+
+    /// Hands on the frame of the onset, once it stands.
+    fn show_onset(&mut self, begun: bool, sim: &Simulation, observer: &mut dyn Observer) -> std::io::Result<()> {
+        if begun && observer.wants_frames() {
+            self.onset = Some(sim.snapshot());
+        }
+        let stands = self.slide.as_ref().is_some_and(SlideWatch::onset_stands);
+        self.onset.take_if(|_| stands).map_or(Ok(()), |snapshot| observer.frame(&snapshot))
     }
 
     /// The last row and frame, and the levels that the last steps have reached.
@@ -258,11 +270,6 @@ impl<'a> Loop<'a> {
         let message = message(self.case, status, fault.as_ref(), sim.time);
         Outcome { status, time: sim.time, message, fault, dt, measures: m }
     }
-}
-
-/// A frame besides those that are due.
-fn show(sim: &Simulation, observer: &mut dyn Observer) -> std::io::Result<()> {
-    if observer.wants_frames() { observer.frame(&sim.snapshot()) } else { Ok(()) }
 }
 
 fn next_due(time: f64, interval: f64) -> f64 {

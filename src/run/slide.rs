@@ -89,11 +89,16 @@ impl<'a> SlideWatch<'a> {
     /// it is the onset.
     pub fn note_event(&mut self, events: &[Event]) -> bool {
         let Some(event) = events.iter().find(|e| e.kind == "stability_lost") else { return false };
-        if self.onset.is_some_and(|o| !o.open) {
+        if self.onset_stands() {
             return false;
         }
         self.begin(event.time_s, false);
         true
+    }
+
+    /// Whether there is an onset, and no wave.
+    pub fn onset_stands(&self) -> bool {
+        self.onset.is_some_and(|o| !o.open)
     }
 
     fn begin(&mut self, time: f64, open: bool) {
