@@ -168,6 +168,44 @@ fn the_rule_stops_at_the_same_n_whatever_the_threads_and_what_was_done_before() 
     assert!(stderr.contains("ensemble.until"), "{stderr}");
 }
 
+/// A random field of strength, in opposite pairs.
+const FIELD: &str = r#"
+[ensemble]
+antithetic = true
+[field.strength]
+material = "clay"
+parameters = ["cohesion", "residual_cohesion"]
+variation = 0.25
+theta_h = 6.0
+theta_v = 1.0
+cell = 1.0
+"#;
+
+#[test]
+fn realisations_of_a_field_come_in_opposite_pairs_and_the_mean_is_the_run_without_it() {
+    let root = tempfile::tempdir().expect("a folder");
+    let [with, plain] = ["with.toml", "plain.toml"].map(|name| root.path().join(name));
+    let text = String::from_utf8(read(SLOPE.into())).expect("text");
+    fs::write(&with, format!("{text}\n{FIELD}")).expect("a case");
+    fs::write(&plain, &text).expect("a case");
+    let out = root.path().join("run");
+    let sets = || SMALL.iter().filter(|set| !set.starts_with("jitter")).flat_map(|set| ["--set", set]);
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rmpm"));
+    command.arg("ensemble").arg(&with).args(["-q", "-n", "6", "--out"]).arg(&out).args(sets());
+    ends(command, 0);
+    assert_eq!(column(&out, "antithetic"), ["1", "0", "3", "2", "5", "4"]);
+    let mut energies = column(&out, "external_kj_per_m");
+    energies.sort();
+    energies.dedup();
+    assert_eq!(energies.len(), 6);
+    let solved = root.path().join("solved");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rmpm"));
+    command.arg("solve").arg(&plain).args(["-q", "--no-frames", "--out"]).arg(&solved).args(sets());
+    ends(command, 0);
+    let mean = &json(out.join("summary.json"))["deterministic"]["measures"]["external_kj_per_m"];
+    assert_eq!(mean, &json(solved.join("record.json"))["measures"]["energy_kj_per_m"]["external"]);
+}
+
 #[test]
 fn what_cannot_be_gone_on_with_is_refused() {
     let root = tempfile::tempdir().expect("a folder");
@@ -228,6 +266,9 @@ fn merge_tells_what_is_missing_doubled_foreign_and_damaged() {
     let mixed: Vec<PathBuf> = parts[..3].iter().chain([&foreign]).cloned().collect();
     let (_, stderr) = ends(merge(&mixed, &out), 2);
     assert!(stderr.contains("foreign is of another ensemble: seed 2"), "{stderr}");
+
+    let (_, stderr) = ends(merge(&parts, &parts[0]), 2);
+    assert!(stderr.contains("is one of the shards"), "{stderr}");
 
     let nothing = root.path().join("nothing");
     let (_, stderr) = ends(merge(&[nothing], &out), 2);

@@ -29,6 +29,10 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<(), Failure> {
     let place = args.out.display().to_string();
+    let real = |path: &PathBuf| path.canonicalize().ok();
+    if real(&args.out).is_some_and(|out| args.shards.iter().any(|shard| real(shard).as_ref() == Some(&out))) {
+        return Err(Failure::Input(format!("--out: '{place}' is one of the shards; choose a folder of its own")));
+    }
     let shards = merge::read(&args.shards).map_err(|e| failure("the shards", e))?;
     shards.notes.iter().for_each(|text| note(text));
     let _lock = folder::claim(&args.out).map_err(|e| Failure::io(&place, &e))?;
