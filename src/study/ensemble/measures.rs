@@ -12,8 +12,11 @@ pub struct Measure {
     pub name: String,
     /// Unit; empty for counts and shares.
     pub unit: &'static str,
-    of: Box<dyn Fn(&Outcome) -> Option<f64> + Send + Sync>,
+    of: Reader,
 }
+
+/// A value of a run.
+type Reader = Box<dyn Fn(&Outcome) -> Option<f64> + Send + Sync>;
 
 impl Measure {
     /// Its value in a run; `None` where it is not defined there or no finite number.
