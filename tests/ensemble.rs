@@ -430,7 +430,7 @@ mod signals {
                     break assert!(child.wait().expect("an end").success());
                 }
                 // the moments are spread over a third of a whole run by the golden ratio
-                let part = (done.wrapping_mul(11_400_714_819_323_198_485) >> 32) * (span / 3) >> 32;
+                let part = ((done.wrapping_mul(11_400_714_819_323_198_485) >> 32) * (span / 3)) >> 32;
                 sleep(Duration::from_micros(part));
                 let ended = child.try_wait().expect("a state");
                 child.kill().expect("killed");
