@@ -13,7 +13,7 @@ use crate::{
     case::{self, Arm, Study},
     output::folder,
     study::{
-        arms::{self, Plan, Ran, Viewer},
+        arms::{self, Plan, Progress, Ran, Viewer},
         ensemble::Start,
     },
 };
@@ -125,7 +125,7 @@ fn carry_out(plan: &Plan, out: &Path, options: &Options) -> Result<(), Failure> 
     let place = out.display().to_string();
     let write = |e: std::io::Error| Failure::io(&place, &e);
     let _lock = folder::claim(out).map_err(write)?;
-    let begin = |label: &str| -> Box<dyn Fn(usize, usize)> {
+    let begin = |label: &str| -> Progress {
         if !options.quiet {
             eprintln!("{label}");
         }

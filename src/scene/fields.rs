@@ -211,7 +211,7 @@ pub fn notes(case: &Case, fields: &Fields, drawn: &[Drawn]) -> Vec<FieldNote> {
             parameters: field.parameters.clone(),
             realisation: case.ensemble.realisation,
             generator: model.generator.as_ref().map(|g| g.choice().to_owned()),
-            accuracy: model.generator.as_ref().map(|g| g.accuracy().clone()),
+            accuracy: model.generator.as_ref().map(|g| *g.accuracy()),
             counts: drawn.counts,
             mean_factor: summary.map_or(f64::NAN, |s| s.mean),
             sd_factor: summary.map_or(f64::NAN, |s| s.sd),

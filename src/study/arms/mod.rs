@@ -89,10 +89,13 @@ pub struct ArmReport {
     pub pairs: Option<Pairs>,
 }
 
+/// Is told how many of how many draws are done.
+pub type Progress = Box<dyn Fn(usize, usize)>;
+
 /// Who is told how a study goes.
 pub struct Viewer<'a> {
-    /// An ensemble begins, by its name; what it gives is told how many of how many draws are done.
-    pub begin: &'a dyn Fn(&str) -> Box<dyn Fn(usize, usize)>,
+    /// An ensemble begins, by its name.
+    pub begin: &'a dyn Fn(&str) -> Progress,
     /// What the user should know at once.
     pub note: &'a dyn Fn(&str),
 }
