@@ -6,6 +6,7 @@ mod converge;
 mod ensemble;
 mod exit;
 mod explain;
+mod field;
 mod input;
 mod interrupt;
 mod merge;
@@ -39,6 +40,8 @@ enum Verb {
     Check(check::Args),
     /// List the effects of a case: on or off, why, and what each costs
     Explain(explain::Args),
+    /// Draw the random fields of a case: how accurate their generators are, and their values
+    Field(field::Args),
     /// Run a case and leave record, history, frames and pictures in a folder
     Solve(solve::Args),
     /// Run many realisations of a random case, each safe as soon as it is done, and sum them up
@@ -69,6 +72,7 @@ pub fn main() -> ExitCode {
         Verb::New(args) => new::run(&args),
         Verb::Check(args) => check::run(&args),
         Verb::Explain(args) => explain::run(&args),
+        Verb::Field(args) => field::run(&args),
         Verb::Solve(args) => solve::run(&args),
         Verb::Ensemble(args) => ensemble::run(&args),
         Verb::Merge(args) => merge::run(&args),

@@ -49,7 +49,7 @@ impl Fields {
 fn model(case: &Case, name: &str, field: &case::Field) -> Result<Model, SceneError> {
     let (origin, lattice) = lattice(case, field);
     let spec = Spec {
-        correlation: Correlation { family: family(field.correlation), theta: [field.theta_h, field.theta_v] },
+        correlation: correlation(field),
         lattice,
         method: method(field.generator),
         bound: Bound { correlation: field.correlation_error, variance: field.variance_error },
@@ -69,6 +69,11 @@ fn lattice(case: &Case, field: &case::Field) -> ([f64; 2], Lattice) {
     let [low, high] = own.reduce(around).unwrap_or_default();
     let cells = [0, 1].map(|a| ((high[a] - low[a]) / field.cell - 1e-9).ceil().max(1.0) as usize);
     (low, Lattice { cell: [field.cell; 2], cells })
+}
+
+/// Family and scales of fluctuation of a field.
+pub fn correlation(field: &case::Field) -> Correlation {
+    Correlation { family: family(field.correlation), theta: [field.theta_h, field.theta_v] }
 }
 
 fn family(family: case::CorrelationFamily) -> Family {

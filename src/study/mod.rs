@@ -6,6 +6,7 @@ pub mod compare;
 pub mod converge;
 pub mod ensemble;
 pub mod strength_reduction;
+pub mod fields;
 pub mod validate;
 pub mod variant;
 mod workers;
