@@ -172,6 +172,12 @@ impl Generator {
         implied::correlations(self.engine.map(), &self.lattice, lags)
     }
 
+    /// Implied covariances of a cell, counted row by row, with all cells. `None` for a cell that is not there.
+    pub fn covariances(&self, cell: usize) -> Option<Vec<f64>> {
+        let there = cell < self.lattice.len();
+        there.then(|| implied::Columns::new(self.engine.map()).covariances(cell).to_vec())
+    }
+
     /// What was chosen and why.
     pub fn choice(&self) -> &str {
         &self.choice

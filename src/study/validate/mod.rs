@@ -11,6 +11,7 @@ mod cook;
 mod courant;
 mod cut_cell;
 mod factor_of_safety;
+mod field;
 mod hard_cases;
 mod in_situ;
 mod incline;
@@ -109,6 +110,7 @@ pub fn problems() -> &'static [&'static dyn Problem] {
         &cantilever::Cantilever,
         &block_collapse::BlockCollapse,
         &hard_cases::HardCases,
+        &field::Field,
     ]
 }
 
