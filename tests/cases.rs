@@ -57,7 +57,7 @@ fn every_case_has_its_test_here() {
     let files = std::fs::read_dir(folder).expect("the cases").map(|f| f.expect("a file").file_name());
     let mut names: Vec<String> = files.filter_map(|f| f.to_str()?.strip_suffix(".toml").map(str::to_owned)).collect();
     names.sort();
-    assert_eq!(names, ["bar", "clay-slope", "clay-slope-rfem", "incline", "layered"]);
+    assert_eq!(names, ["bar", "clay-slope", "clay-slope-rfem", "incline", "layered", "random-slope"]);
 }
 
 /// Half the period: the time between two zeros of the mean velocity (s).
@@ -248,3 +248,26 @@ fn slides_in_blocks_and_rests(outcome: &Outcome) {
     assert!((6.0..12.5).contains(&r) && (2..=4).contains(&blocks), "{m:?}");
     assert!(!m.sliding_distance_censored);
 }
+
+#[test]
+fn a_random_slope_slides_farther_than_its_mean() {
+    // realisation 0 with theta_h = 6 m, the whole run as it stands in the case
+    let (outcome, scene) = solve("random-slope", &[]);
+    is_balanced(&outcome);
+    accounts_for_its_energy(&outcome);
+    assert_eq!(outcome.status, Status::AtRest);
+    let field = &scene.fields[0];
+    assert!(field.accuracy.is_some_and(|a| a.correlation_error <= 0.05 && a.variance_error <= 0.03), "{field:?}");
+    assert_eq!(outcome.measures.slope_failed, Some(true));
+    assert!(
+        outcome.measures.onset_time_s.is_some_and(|t| (2.0..5.5).contains(&t)),
+        "{:?}",
+        outcome.measures.onset_time_s
+    );
+    // one realisation moves by a block with the slightest change: the band is one block to either side
+    let r = outcome.measures.sliding_distance_m.expect("a crest");
+    assert!((R_RANDOM - 2.5..=R_RANDOM + 2.5).contains(&r), "{r}");
+}
+
+/// r (m) measured for the realisation above.
+const R_RANDOM: f64 = 14.30;

@@ -37,16 +37,14 @@ pub fn hand_out<J: Sync, R: Send>(
     take: &mut dyn FnMut(usize, R) -> ControlFlow<()>,
 ) -> io::Result<()> {
     let queue = Queue { jobs, next: AtomicUsize::new(0), ended: AtomicBool::new(false), stop, work };
+    let count = count(threads).min(jobs.len()).max(1);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build().map_err(io::Error::other)?;
     let (sender, results) = mpsc::channel();
-    thread::scope(|scope| {
+    pool.in_place_scope(|scope| {
         let queue = &queue;
-        let start = |worker: usize| {
+        for worker in 0..count {
             let sender = sender.clone();
-            thread::Builder::new().spawn_scoped(scope, move || queue.serve(worker, &sender)).map(drop)
-        };
-        let started = (0..count(threads).min(jobs.len())).try_for_each(start);
-        if started.is_err() {
-            queue.ended.store(true, Ordering::Relaxed);
+            scope.spawn(move |_| queue.serve(worker, &sender));
         }
         // the channel ends with the last worker
         drop(sender);
@@ -55,8 +53,8 @@ pub fn hand_out<J: Sync, R: Send>(
                 queue.ended.store(true, Ordering::Relaxed);
             }
         }
-        started
-    })
+    });
+    Ok(())
 }
 
 impl<J, R> Queue<'_, J, R> {

@@ -4,8 +4,14 @@ use super::{Effort, Files, Problem, Reference, Report, measure::largest};
 use crate::{
     case,
     field::{
+        correlation::{Correlation, Family},
         generator::Scratch,
+        implied::{self, Columns},
+        las::{self, Las},
         model::{Draw, Model},
+        normals::Normals,
+        squash::Squash,
+        table::{Lattice, Table},
     },
     scene::Fields,
 };
@@ -33,8 +39,55 @@ impl Problem for Field {
             let theta = reference.given(key)?;
             self.compare(theta, reference, report)?;
         }
-        Ok(())
+        subdivision(reference, report)
     }
+}
+
+/// The box of the slope in cells of 0.25 m.
+const BOX: Lattice = Lattice { cell: [0.25, 0.25], cells: [100, 20] };
+
+/// Plain subdivision on its own: the errors that an independent program found, and what a stage owes the next.
+fn subdivision(reference: &Reference, report: &mut Report) -> Result<(), String> {
+    for (key, limit, setup) in [
+        ("las_half_metre", 1024, "theta_h = 1 m, stage 0 of 0.5 m"),
+        ("las_one_metre", 256, "theta_h = 1 m, stage 0 of 1 m"),
+    ] {
+        let (las, table) = plain(1.0, limit)?;
+        let found = implied::accuracy(&las, &table, &BOX, usize::MAX);
+        report.row_of(reference, key, setup, None, found.correlation_error)?;
+    }
+    let (las, table) = plain(48.0, 256)?;
+    report.row_of(reference, "las_two_metres", "theta_h = 48 m", None, over_two_metres(&las, table.at(0, 0)))?;
+    report.row_of(reference, "las_upward", "theta_h = 48 m", None, upward()?)
+}
+
+fn plain(theta: f64, limit: usize) -> Result<(Squash, Table), String> {
+    let correlation = Correlation { family: Family::Markov, theta: [theta, 1.0] };
+    let las = Squash::new(&correlation, &BOX, [1, 1], limit).ok_or("a covariance has no factor")?;
+    Ok((las, Table::new(&correlation, BOX.cell, BOX.cells)))
+}
+
+/// Mean correlation of all pairs of cells 2 m apart along x.
+fn over_two_metres(map: &Squash, variance: f64) -> f64 {
+    let mut columns = Columns::new(map);
+    let pairs: Vec<usize> = (0..BOX.len()).filter(|c| c % BOX.cells[0] + 8 < BOX.cells[0]).collect();
+    pairs.iter().map(|&c| columns.covariances(c)[c + 8] / variance).sum::<f64>() / pairs.len() as f64
+}
+
+/// Largest difference between a cell of the last stage but one and the mean of its four children.
+fn upward() -> Result<f64, String> {
+    let correlation = Correlation { family: Family::Markov, theta: [48.0, 1.0] };
+    let lags = las::lags(&las::plan(BOX.cells, 256));
+    let table = Table::new(&correlation, BOX.cell, lags);
+    let las = Las::new(&table, BOX.cells, 256).ok_or("a covariance has no factor")?;
+    let (mut coarse, mut fine) = (Vec::new(), vec![0.0; BOX.len()]);
+    las.sample_pair(&mut Normals::new(1, 0, "upward", false), &mut Scratch::default(), &mut coarse, &mut fine);
+    let [nx, half] = [BOX.cells[0], BOX.cells[0] / 2];
+    let mean = |k: usize| {
+        let first = 2 * (k / half) * nx + 2 * (k % half);
+        0.25 * (fine[first] + fine[first + 1] + fine[first + nx] + fine[first + nx + 1])
+    };
+    Ok(largest(coarse.iter().enumerate().map(|(k, z)| (z - mean(k)).abs())))
 }
 
 impl Field {
