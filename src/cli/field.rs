@@ -18,7 +18,7 @@ use crate::{
         plot::{self, CellsOptions},
         record::{Build, SCHEMA_VERSION, Source, sha256},
     },
-    scene::{Fields, SceneError, fields::trend},
+    scene::{Fields, SceneError, fields::trend as trend_at},
     study::fields::{self, FieldReport},
 };
 
@@ -141,11 +141,15 @@ fn write_json(path: &Path, value: &Value) -> io::Result<()> {
 /// The files of all realisations: values of the first parameter, in one colour scale.
 fn leave(out: &Path, args: &Args, case: &Case, report: &FieldReport, drawn: &[Drawn]) -> io::Result<()> {
     let Some((parameter, field)) = report.parameters.first().zip(case.field.get(&report.name)) else { return Ok(()) };
-    let trend = |row: usize| trend(field, report.origin_m[1] + (row as f64 + 0.5) * report.cell_m[1]);
+    let trend = |row: usize| trend_at(field, report.origin_m[1] + (row as f64 + 0.5) * report.cell_m[1]);
     let values = |d: &Drawn| -> Vec<f64> {
         let rows = d.factors.chunks(report.cells[0].max(1)).enumerate();
         rows.flat_map(|(j, row)| row.iter().map(move |f| report.mean * trend(j) * f)).collect()
     };
+    if args.formats.contains(&Format::Png) {
+        let path = out.join(format!("field-{}-profile.png", file_name(&report.name)));
+        fields::profile(&path, report, &|y| trend_at(field, y), drawn)?;
+    }
     let all: Vec<f64> = drawn.iter().flat_map(values).collect();
     let mut options = options(case, report, *parameter, plot::range(&all));
     for (values, k) in all.chunks(report.cells[0] * report.cells[1]).zip(&report.realisations) {

@@ -1,6 +1,7 @@
 //! What the random fields of a case are: the exact figures of their generators, and what realisations came to.
 
 mod expected;
+mod profile;
 mod text;
 
 use std::time::Instant;
@@ -20,6 +21,7 @@ use crate::{
 };
 
 pub use expected::Expected;
+pub use profile::profile;
 pub use text::table;
 
 /// A field: what is asked for, what was built, how far it is from the target.
