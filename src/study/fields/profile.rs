@@ -7,8 +7,11 @@ use crate::{
     case,
     field::model::Drawn,
     math::stats::{Binning, Censoring, Histogram, gauss},
-    output::plot::{self, AxisSpec, Curve, HistogramGroup, Part, Quantity, SeriesPlot, Style},
+    output::plot::{self, AxisSpec, Curve, HistogramGroup, Part, Quantity, Rgb, SeriesPlot, Style},
 };
+
+/// Of the lines that are no values of the realisation.
+const DARK: Rgb = Rgb(60, 60, 60);
 
 /// Columns of cells that are drawn, as shares of the width.
 const COLUMNS: [f64; 3] = [0.1, 0.5, 0.9];
@@ -41,9 +44,18 @@ fn over_depth(report: &FieldReport, quantity: &Quantity, trend: &dyn Fn(f64) -> 
         Curve::new(format!("x = {x:.2} m"), Style::Line, line(&factor))
     };
     let variation = report.sd / report.mean;
-    let dashed = |name: &str, factor: f64| Curve { dashed: true, ..Curve::new(name, Style::Line, line(&|_| factor)) };
+    let dark = |name: &str, dashed: bool, factor: f64| Curve {
+        dashed,
+        colour: Some(DARK),
+        ..Curve::new(name, Style::Line, line(&|_| factor))
+    };
     let mut curves: Vec<Curve> = COLUMNS.iter().map(column).collect();
-    curves.extend([dashed("mean", 1.0), dashed("mean - sd", 1.0 - variation), dashed("mean + sd", 1.0 + variation)]);
+    // one name for the pair
+    curves.extend([
+        dark("mean", false, 1.0),
+        dark("mean +- sd", true, 1.0 - variation),
+        dark("", true, 1.0 + variation),
+    ]);
     SeriesPlot {
         title: Some(format!("Realisation {}: over the depth", report.realisations.first().copied().unwrap_or(0))),
         x: AxisSpec::linear(format!("{} ({})", quantity.name, quantity.unit)),
