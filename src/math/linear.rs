@@ -2,8 +2,9 @@
 //!
 //! A symmetric system is tried by L L^T, by L B L^T if that meets a pivot that is not positive, and
 //! by LU. An unsymmetric one goes to LU at once, or first to GMRES with the L L^T of its symmetric
-//! part as preconditioner, if that is asked for. Every solution is checked; what is off is refined once, and what stays off goes to the
-//! next method. All is done by one thread in a fixed order: equal systems give equal bits.
+//! part as preconditioner, if that is asked for and the part has such a factor. Every solution is checked; what is
+//! off is refined once, and what stays off goes to the next method. All is done by one thread in a fixed order: equal
+//! systems give equal bits.
 
 mod choices;
 mod cholesky;
@@ -47,6 +48,7 @@ struct System<'a> {
 
 /// What the methods have found so far.
 struct Trial {
+    /// Whether what was factored has positive pivots: the matrix, or its symmetric part.
     positive: Option<bool>,
     iterations: u32,
     /// Smallest residual of those that were not accepted.
@@ -117,6 +119,8 @@ impl Solver {
                 work.fallback_solves += u64::from(turn > 0);
                 work.max_solve_residual = work.max_solve_residual.max(residual);
                 let Trial { positive, iterations, .. } = trial;
+                // the symmetric part of an unsymmetric matrix is a help to GMRES, and says nothing of the matrix
+                let positive = positive.filter(|_| symmetric);
                 return Ok(Solution { method, residual, positive, iterations, fallback: turn > 0 });
             }
             trial.residual = trial.residual.min(residual);

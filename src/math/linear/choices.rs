@@ -63,7 +63,9 @@ pub struct Solution {
     pub method: Method,
     /// |b - A x| / |b| (Euclidean).
     pub residual: f64,
-    /// Whether the (symmetric part of the) matrix is positive definite; `None` where it was not tried.
+    /// Whether a symmetric matrix is positive definite; `None` for an unsymmetric one, or where it was not tried.
+    /// An unsymmetric tangent may lose its symmetric part's definiteness long before it becomes singular, so
+    /// that part is no sign of lost stability, whichever method solves.
     pub positive: Option<bool>,
     /// Iterations of GMRES.
     pub iterations: u32,
