@@ -91,6 +91,11 @@ fn factor_of_safety() {
 }
 
 #[test]
+fn perfect_correlation() {
+    holds("perfect-correlation");
+}
+
+#[test]
 fn column() {
     holds("column");
 }

@@ -22,7 +22,7 @@ mod until;
 
 pub use folder::Start;
 pub use measures::{SLIDE_VOLUME, SLIDING_DISTANCE, first_slide};
-pub use realise::{Shard, is_random};
+pub use realise::{Draw, Shard, is_random, realise};
 pub use results::Results;
 pub use summary::Summary;
 pub use text::text;
@@ -50,7 +50,6 @@ use crate::{
     scene,
 };
 use journal::{Journal, Session};
-use realise::Draw;
 use row::{Done, Realiser};
 use until::decide;
 

@@ -22,6 +22,7 @@ mod measure;
 mod newton;
 mod operator;
 mod patch;
+mod perfect_correlation;
 mod prandtl;
 mod reference;
 mod report;
@@ -106,6 +107,7 @@ pub fn problems() -> &'static [&'static dyn Problem] {
         &prandtl::Prandtl,
         &undrained_slopes::UndrainedSlopes,
         &factor_of_safety::FactorOfSafety,
+        &perfect_correlation::PerfectCorrelation,
         &column::Column,
         &cantilever::Cantilever,
         &block_collapse::BlockCollapse,
