@@ -11,7 +11,7 @@ use crate::{
     case::Case,
     math::simd::FpPath,
     output::{
-        folder::Folder,
+        folder::{self, Folder},
         pictures,
         record::{Record, Timing, cpu_seconds, peak_memory, record},
     },
@@ -67,13 +67,15 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let input = &args.case;
     let time_limit = args.time_limit.map(limit).transpose()?;
     let (case, source) = input.read()?;
+    let out = args.out.clone().unwrap_or_else(|| default_out(input));
+    let write = |e: std::io::Error| Failure::io(&out.display().to_string(), &e);
+    // a folder that may not be taken is told before a search that may take hours
+    drop(case.strength_reduction.map(|_| folder::claim(&out)).transpose().map_err(write)?);
     let mut phases = BTreeMap::new();
     let started = Instant::now();
     let (safety, factor) = search(&case, input.max_memory, time_limit, args.quiet)?.unzip();
     let mut scene = input.build_reduced(&case, factor.unwrap_or(1.0))?;
     phases.insert("setup".to_owned(), started.elapsed().as_secs_f64());
-    let out = args.out.clone().unwrap_or_else(|| default_out(input));
-    let write = |e: std::io::Error| Failure::io(&out.display().to_string(), &e);
     let folder = Folder::open(&out, &case.to_toml(), !args.no_frames).map_err(write)?;
     let mut watch = Watch { folder, progress: Progress::new(case.end.time, args.quiet) };
     let limits = Limits { interrupt: Some(interrupt::flag()), time_limit };

@@ -7,7 +7,7 @@ use crate::{
     case::{self, Case, Parameter},
     field::{
         correlation::{Correlation, Family},
-        generator::{Accuracy, Bound, Generator, Method, Spec},
+        generator::{Accuracy, Bound, FieldError, Generator, Method, Spec},
         marginal::{Low, Marginal},
         model::{Counts, Draw, DrawError, Drawn, Model},
         table::Lattice,
@@ -56,8 +56,16 @@ fn model(case: &Case, name: &str, field: &case::Field) -> Result<Model, SceneErr
     };
     let varies = field.variation > 0.0;
     let generator = varies.then(|| Generator::new(&spec)).transpose();
-    let generator = generator.map_err(|e| refuse(&format!("field.{name}.generator"), e.to_string()))?;
+    let generator = generator.map_err(|e| refuse(&format!("field.{name}.{}", key(&e)), e.to_string()))?;
     Ok(Model { name: name.to_owned(), origin, lattice, marginal: marginal(field), generator })
+}
+
+/// The key to change: numbers out of range are sizes in cells.
+fn key(error: &FieldError) -> &'static str {
+    match error {
+        FieldError::Invalid { .. } => "cell",
+        FieldError::Inaccurate { .. } | FieldError::Unavailable { .. } => "generator",
+    }
 }
 
 /// Cells over the rectangle around the material, from its lower left corner.
