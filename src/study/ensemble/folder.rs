@@ -24,28 +24,41 @@ pub enum Start {
 const FILES: [&str; 6] =
     [journal::NAME, "case.toml", "ensemble.csv", "ensemble_timing.csv", "summary.json", "timing.json"];
 
+/// What the journal of a folder knows, if the folder may be taken in this way. Nothing is changed.
+///
+/// # Errors
+/// An ensemble that may not be started over or gone on with; those of the file system.
+pub fn admit(path: &Path, session: &Session, start: Start) -> Result<Contents, Problem> {
+    let known = match journal::read(&path.join(journal::NAME)) {
+        Err(e) if e.kind() == io::ErrorKind::NotFound => Contents::default(),
+        other => other?,
+    };
+    let place = path.display();
+    match start {
+        Start::New if known.id().is_some() && !known.finished => Err(Problem::Refused(format!(
+            "'{place}' holds an ensemble that is not finished ({} runs are done): go on with --resume, or start over with --fresh",
+            known.done.len()
+        ))),
+        Start::Resume => match check(&known, session) {
+            Err(text) => Err(Problem::Refused(format!("'{place}' cannot be resumed: {text}"))),
+            Ok(()) => Ok(known),
+        },
+        Start::New | Start::Fresh => Ok(known),
+    }
+}
+
 /// Opens the journal in a claimed folder; what it knows already comes with it, and what the user should
 /// know about it.
 ///
 /// # Errors
 /// An ensemble that may not be started over or gone on with; those of the file system.
 pub fn open(path: &Path, session: &Session, start: Start) -> Result<(Journal, Contents, Vec<String>), Problem> {
+    let mut known = admit(path, session, start)?;
     atomic::sweep(path)?;
-    let mut known = match journal::read(&path.join(journal::NAME)) {
-        Err(e) if e.kind() == io::ErrorKind::NotFound => Contents::default(),
-        other => other?,
-    };
     let place = path.display();
     let mut notes = Vec::new();
     match start {
-        Start::New if known.id().is_some() && !known.finished => {
-            return Err(Problem::Refused(format!(
-                "'{place}' holds an ensemble that is not finished ({} runs are done): go on with --resume, or start over with --fresh",
-                known.done.len()
-            )));
-        }
         Start::Resume => {
-            check(&known, session).map_err(|text| Problem::Refused(format!("'{place}' cannot be resumed: {text}")))?;
             notes.extend(known.findings().into_iter().map(|text| format!("{place}/{}: {text}", journal::NAME)));
             notes.extend(known.sessions.last().and_then(|last| differences(last, session)));
         }

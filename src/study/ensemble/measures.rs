@@ -59,6 +59,15 @@ const FIXED: &[Fixed] = &[
     }),
 ];
 
+/// Measures of the list above that need a crest.
+const OF_A_SLIDE: [&str; 7] =
+    [SLIDING_DISTANCE, CENSORED, "blocks", "first_block_m", SLIDE_VOLUME, "slope_failed", "onset_time_s"];
+
+/// Whether a case without a crest has no such measure.
+pub fn needs_crest(name: &str) -> bool {
+    OF_A_SLIDE.contains(&name)
+}
+
 fn flag(value: bool) -> f64 {
     f64::from(u8::from(value))
 }

@@ -21,9 +21,10 @@ mod timing;
 mod until;
 
 pub use folder::Start;
-pub use measures::{SLIDE_VOLUME, SLIDING_DISTANCE, first_slide};
+pub use measures::{CENSORED, SLIDE_VOLUME, SLIDING_DISTANCE, first_slide};
 pub use realise::{Draw, Shard, is_random, realise};
 pub use results::Results;
+pub use slide::resolution;
 pub use summary::Summary;
 pub use text::text;
 pub use timing::{Spent, Timing};
@@ -131,6 +132,11 @@ pub fn ensemble(plan: &Plan, out: &Path, watch: &Watch) -> Result<Ended, Problem
     let session = session(plan);
     let (mut journal, known, notes) = folder::open(out, &session, plan.start)?;
     notes.iter().for_each(|text| (watch.note)(text));
+    if plan.case.strength_reduction.is_some() {
+        (watch.note)(
+            "each realisation runs with its own strength; `strength_reduction` is searched by `rmpm solve` alone",
+        );
+    }
     write_text(&out.join("case.toml"), &realise::resolved(&plan.case, plan.realisations))?;
     let mut done = known.done;
     let mut spent = Spent { threads: 0, ..Spent::default() };
@@ -143,6 +149,15 @@ pub fn ensemble(plan: &Plan, out: &Path, watch: &Watch) -> Result<Ended, Problem
         journal.finish()?;
     }
     Ok(Ended { results, report })
+}
+
+/// Looks whether an ensemble could begin, without changing anything. Whether its folder holds one already.
+///
+/// # Errors
+/// A case that is not random or cannot be built, a folder that may not be taken in this way.
+pub fn ready(plan: &Plan, out: &Path) -> Result<bool, Problem> {
+    realiser(plan)?;
+    folder::admit(out, &session(plan), plan.start).map(|known| known.id().is_some())
 }
 
 /// Most realisations: the list of those to be done stands in memory.
@@ -173,6 +188,12 @@ fn check(plan: &Plan) -> Result<(), String> {
     let Some(until) = &plan.case.ensemble.until else { return Ok(()) };
     if plan.shard != Shard::WHOLE {
         return Err("a shard does not see all realisations: `ensemble.until` cannot be used with --shard".into());
+    }
+    if plan.case.slide.is_none() && measures::needs_crest(&until.measure) {
+        return Err(format!(
+            "`ensemble.until.measure`: `{}` is measured from a crest: add the table `slide`, or choose another, such as runout_m",
+            until.measure
+        ));
     }
     let names: Vec<String> = measures::list(&plan.case).into_iter().map(|m| m.name).collect();
     if names.contains(&until.measure) {

@@ -8,7 +8,11 @@ use super::{
     row::Done,
     until::{Decision, decide},
 };
-use crate::{case::Case, run::Status};
+use crate::{
+    case::Case,
+    math::stats::{Bootstrap, Moments, NormalFit},
+    run::Status,
+};
 
 /// The draws that count.
 #[derive(Clone, Debug)]
@@ -57,6 +61,25 @@ impl Results {
     /// How many realisations have failed, with the run at the mean.
     pub fn failed(&self) -> usize {
         self.all().filter(|d| d.row.status == Status::Failed).count()
+    }
+
+    /// Moments of a measure; `None` for fewer than two values. Opposite realisations are not independent, but
+    /// their pairs are: the standard error of the mean is then that of the mean of the pairs. The errors of the
+    /// other moments take all values as independent.
+    pub fn moments(&self, measure: &str, bootstrap: &Bootstrap) -> Option<Moments> {
+        let moments = Moments::of(&self.values(measure), bootstrap)?;
+        let paired = NormalFit::of(&self.pair_means(measure)).map(|pairs| pairs.mean_se);
+        Some(Moments { mean_se: paired.unwrap_or(moments.mean_se), ..moments })
+    }
+
+    /// Means of the opposite pairs of which both have a value; empty where realisations do not come in pairs.
+    fn pair_means(&self, measure: &str) -> Vec<f64> {
+        let mean = |(k, done): (&u64, &Done)| {
+            let other = done.row.antithetic.filter(|other| other > k)?;
+            let other = self.rows.get(&other)?.row.measure(measure)?;
+            Some(0.5 * (done.row.measure(measure)? + other))
+        };
+        self.rows.iter().filter_map(mean).collect()
     }
 
     /// Values of a measure in the order of the realisations; those that failed have none.

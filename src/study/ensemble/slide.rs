@@ -54,6 +54,11 @@ pub fn statistics(results: &Results) -> Option<SlideStatistics> {
     }
     let censoring = censoring(slide);
     let mut remarks = Vec::new();
+    if results.rows.values().any(|done| done.row.antithetic.is_some()) {
+        remarks.push(
+            "realisations come in opposite pairs: the errors of the means are those of pairs, all other errors, intervals and p-values take realisations as independent".to_owned(),
+        );
+    }
     let fit = CensoredFit::of(&r, &censoring).map_err(|e| remarks.push(format!("no censored normal: {e}"))).ok();
     let test = NormalTest { censoring, resolution: resolution(&results.case), ..NormalTest::default() };
     // a test of what cannot be fitted has the same reason not to be

@@ -74,7 +74,7 @@ impl Counts {
 pub fn summary(results: &Results) -> Summary {
     let Session { case_hash, seed, build, shard, first, realisations, .. } = results.session.clone();
     let bootstrap = bootstrap(results.rows.len());
-    let moments = |name: String| Some((name.clone(), Moments::of(&results.values(&name), &bootstrap)?));
+    let moments = |name: String| Some((name.clone(), results.moments(&name, &bootstrap)?));
     Summary {
         schema_version: SCHEMA_VERSION,
         build,
