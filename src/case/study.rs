@@ -92,8 +92,9 @@ fn arms(cursor: &Cursor<'_>) -> Option<Vec<Arm>> {
     let found: Vec<Arm> = found.into_iter().collect::<Option<_>>()?;
     let mut folders = BTreeSet::new();
     for (cursor, arm) in cursors.iter().zip(&found) {
-        if !folders.insert(arm.folder()) {
-            let message = format!("two arms would share the folder `{}`", arm.folder());
+        let mut own = std::iter::once(arm.folder()).chain(arm.rfem.then(|| arm.rfem_folder()));
+        if let Some(folder) = own.find(|folder| !folders.insert(folder.clone())) {
+            let message = format!("two arms would share the folder `{folder}`");
             cursor.error(Problem::new(message, "needs a name of its own"));
             return None;
         }
@@ -114,8 +115,16 @@ fn arm(mut keys: Keys<'_>) -> Option<Arm> {
 
 fn name(cursor: &Cursor<'_>) -> Option<String> {
     let text = cursor.text()?;
-    if folder(text).is_empty() {
+    let folder = folder(text);
+    if folder.is_empty() {
         cursor.error(Problem::new("this name has no letter and no digit", "names the folder of the arm"));
+        return None;
+    }
+    if [".json", ".md", ".csv", ".png"].iter().any(|file| folder.ends_with(file)) {
+        cursor.error(Problem::new(
+            "this name is that of a file",
+            "names the folder of the arm, beside the files of the study",
+        ));
         return None;
     }
     Some(text.to_owned())
@@ -140,6 +149,11 @@ impl Arm {
     pub fn folder(&self) -> String {
         folder(&self.name)
     }
+
+    /// The name of the folder of RFEM beside it.
+    pub fn rfem_folder(&self) -> String {
+        self.folder() + "-rfem"
+    }
 }
 
 fn folder(name: &str) -> String {
@@ -163,7 +177,10 @@ mod tests {
     #[test]
     fn arms_need_names_and_folders_of_their_own() {
         let twice = "case = \"a.toml\"\n[[arm]]\nname = \"a b\"\n[[arm]]\nname = \"a-b\"";
-        for (text, word) in [(twice, "share the folder"), ("case = \"a.toml\"\n[[arm]]\nname = \"..\"", "no letter")] {
+        let beside = "case = \"a.toml\"\n[[arm]]\nname = \"a\"\nrfem = true\n[[arm]]\nname = \"a RFEM\"";
+        let file = "case = \"a.toml\"\n[[arm]]\nname = \"study.json\"";
+        let wrong = [(beside, "share the folder `a-rfem`"), (file, "that of a file"), (twice, "share the folder")];
+        for (text, word) in wrong.into_iter().chain([("case = \"a.toml\"\n[[arm]]\nname = \"..\"", "no letter")]) {
             let errors = read_study("s", text, &[]).expect_err("refused").render(false);
             assert!(errors.contains(word), "{errors}");
         }

@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use crate::{
-    math::stats::{Bootstrap, CONFIDENCE, CensoredFit, Censoring, Moments, Share},
-    study::ensemble::{Ended, SLIDE_VOLUME, SLIDING_DISTANCE},
+    math::stats::{Bootstrap, CensoredFit, Censoring, Moments, Share},
+    study::ensemble::{CENSORED, Ended, SLIDE_VOLUME, SLIDING_DISTANCE, resolution},
 };
 
 /// What an ensemble has come to.
@@ -28,6 +28,9 @@ pub struct Figures {
     pub values: Vec<f64>,
     /// r above this (m) has reached the wall.
     pub wall_m: Option<f64>,
+    /// Step in which r comes (m).
+    #[serde(skip)]
+    pub resolution_m: f64,
 }
 
 impl Figures {
@@ -37,22 +40,20 @@ impl Figures {
         let values = results.values(SLIDING_DISTANCE);
         let wall = results.case.slide.as_ref().map(|s| s.censored_above);
         let bootstrap = Bootstrap::default();
-        let count = |test: &dyn Fn(f64) -> bool| {
-            Share::wilson(values.iter().filter(|v| test(**v)).count(), values.len(), CONFIDENCE)
-        };
         let censoring = Censoring { low: Some(0.0), high: wall };
         Figures {
             realisations: results.rows.len(),
             failed: results.failed(),
-            sliding_distance_m: Moments::of(&values, &bootstrap),
+            sliding_distance_m: results.moments(SLIDING_DISTANCE, &bootstrap),
             censored_fit: CensoredFit::of(&values, &censoring).ok(),
-            no_slide: count(&|r| r == 0.0),
-            at_wall: count(&|r| wall.is_some_and(|wall| r > wall)),
+            no_slide: Share::of(&values, |r| r == 0.0),
+            at_wall: Share::of(&results.values(CENSORED), |censored| censored > 0.0),
             deterministic_m: results.mean.as_ref().and_then(|d| d.row.measure(SLIDING_DISTANCE)),
-            slide_volume_m3_per_m: Moments::of(&results.values(SLIDE_VOLUME), &bootstrap),
+            slide_volume_m3_per_m: results.moments(SLIDE_VOLUME, &bootstrap),
             cpu_s: ended.report.timing.rows_cpu_s,
             particle_steps: results.all().filter_map(|d| d.row.work.get("particle_steps")).sum(),
             wall_m: wall,
+            resolution_m: resolution(&results.case),
             values,
         }
     }

@@ -104,17 +104,18 @@ pub struct Viewer<'a> {
 /// can be gone on with; the arms after an interrupt are left out of the result.
 ///
 /// # Errors
-/// A case or a change that cannot be read, before anything is run; those of the ensembles.
+/// A case or a change that cannot be read or built, a folder that may not be taken, before anything is run;
+/// those of the ensembles.
 pub fn study(plan: &Plan, out: &Path, viewer: &Viewer) -> Result<Vec<Ran>, Problem> {
     let cases = plan.study.arms.iter().map(|arm| cases(plan, arm)).collect::<Result<Vec<_>, _>>()?;
+    ready(plan, &cases, out)?;
     let mut done = Vec::new();
     for (arm, (case, rfem_case)) in plan.study.arms.iter().zip(cases) {
         let rmpm = run(plan, arm, &case, &arm.name, &out.join(arm.folder()), viewer)?;
         let whole = rmpm.results.complete();
-        let rfem = rfem_case.filter(|_| whole).map(|case| {
-            let label = format!("{}, RFEM", arm.name);
-            run(plan, arm, &case, &label, &out.join(format!("{}-rfem", arm.folder())), viewer)
-        });
+        let rfem = rfem_case
+            .filter(|_| whole)
+            .map(|case| run(plan, arm, &case, &format!("{}, RFEM", arm.name), &out.join(arm.rfem_folder()), viewer));
         let rfem = rfem.transpose()?;
         let whole = whole && rfem.as_ref().is_none_or(|e| e.results.complete());
         done.push(Ran { arm: arm.clone(), case, rmpm, rfem });
@@ -136,10 +137,50 @@ fn cases(plan: &Plan, arm: &Arm) -> Result<(Case, Option<Case>), Problem> {
     Ok((read(&[])?, if arm.rfem { Some(read(&RFEM)?) } else { None }))
 }
 
+/// Looks at all ensembles before the first is run: one that cannot be built, or whose folder may not be taken,
+/// must not be found after hours; and a study that was begun must not lose what it has.
+fn ready(plan: &Plan, cases: &[(Case, Option<Case>)], out: &Path) -> Result<(), Problem> {
+    let (mut held, mut of) = (0, 0);
+    for (arm, (case, rfem)) in plan.study.arms.iter().zip(cases) {
+        let both = std::iter::once((case, arm.folder())).chain(rfem.as_ref().map(|case| (case, arm.rfem_folder())));
+        for (case, folder) in both {
+            if case.slide.is_none() {
+                let text = "a study compares sliding distances: add the table `slide` to the case".to_owned();
+                return Err(named(arm, Problem::Refused(text)));
+            }
+            let found = ensemble::ready(&single(plan, arm, case), &out.join(folder)).map_err(|e| named(arm, e))?;
+            held += usize::from(found);
+            of += 1;
+        }
+    }
+    if plan.start == Start::New && 0 < held && held < of {
+        let text = format!(
+            "'{}' holds {held} of {of} ensembles of a study: go on with --resume, or start over with --fresh",
+            out.display()
+        );
+        return Err(Problem::Refused(text));
+    }
+    Ok(())
+}
+
+fn named(arm: &Arm, problem: Problem) -> Problem {
+    match problem {
+        Problem::Refused(text) => Problem::Refused(format!("arm \"{}\": {text}", arm.name)),
+        Problem::TooLarge(text) => Problem::TooLarge(format!("arm \"{}\": {text}", arm.name)),
+        Problem::Io(error) => Problem::Io(error),
+    }
+}
+
 fn run(plan: &Plan, arm: &Arm, case: &Case, label: &str, out: &Path, viewer: &Viewer) -> Result<Ended, Problem> {
     let _lock = claim(out)?;
+    let progress = (viewer.begin)(label);
+    ensemble::ensemble(&single(plan, arm, case), out, &Watch { progress: &progress, note: viewer.note })
+}
+
+/// The ensemble of an arm.
+fn single(plan: &Plan, arm: &Arm, case: &Case) -> ensemble::Plan {
     let realisations = plan.realisations.or(arm.realisations).or(plan.study.realisations);
-    let plan = ensemble::Plan {
+    ensemble::Plan {
         case: case.clone(),
         first: 0,
         realisations: realisations.unwrap_or(case.ensemble.realisations),
@@ -150,9 +191,7 @@ fn run(plan: &Plan, arm: &Arm, case: &Case, label: &str, out: &Path, viewer: &Vi
         time_limit: plan.time_limit,
         stop: plan.stop,
         abandon: plan.abandon,
-    };
-    let progress = (viewer.begin)(label);
-    ensemble::ensemble(&plan, out, &Watch { progress: &progress, note: viewer.note })
+    }
 }
 
 /// The study in figures.

@@ -30,7 +30,7 @@ pub struct Pairs {
     pub difference_m: Option<Paired>,
     /// Volume of RMPM less that of RFEM (m3/m).
     pub difference_volume: Option<Paired>,
-    /// Share in which RFEM gives the shorter r, by more than a column of points.
+    /// Share in which RFEM gives the shorter r, by more than a cell: r within one is taken as unchanged.
     pub rfem_shorter: Option<Share>,
     /// Mean r of RFEM over mean r of RMPM.
     pub ratio_of_means: Option<f64>,
@@ -42,7 +42,7 @@ pub struct Pairs {
 impl Pairs {
     /// Pairs up two ensembles of the same fields.
     pub fn of(rmpm: &Ended, rfem: &Ended) -> Self {
-        let column = rmpm.results.case.grid.cell;
+        let cell = rmpm.results.case.grid.cell;
         let first = first_slide(&rmpm.results.case);
         let pairs: Vec<Pair> = rmpm
             .results
@@ -60,15 +60,15 @@ impl Pairs {
                 })
             })
             .collect();
-        Pairs::from(pairs, column)
+        Pairs::from(pairs, cell)
     }
 
-    fn from(pairs: Vec<Pair>, column: f64) -> Self {
+    fn from(pairs: Vec<Pair>, cell: f64) -> Self {
         let (a, b): (Vec<f64>, Vec<f64>) = pairs.iter().map(|p| (p.rmpm_m, p.rfem_m)).unzip();
         let (va, vb): (Vec<f64>, Vec<f64>) = pairs.iter().filter_map(|p| p.rmpm_volume.zip(p.rfem_volume)).unzip();
         let (first, small): (Vec<f64>, Vec<f64>) =
             pairs.iter().filter_map(|p| Some((p.rmpm_first_m?, p.rfem_m))).unzip();
-        let shorter = pairs.iter().filter(|p| p.rfem_m < p.rmpm_m - column).count();
+        let shorter = pairs.iter().filter(|p| p.rfem_m < p.rmpm_m - cell).count();
         let (sum_a, sum_b) = (a.iter().sum::<f64>(), b.iter().sum::<f64>());
         Pairs {
             difference_m: Paired::of(&b, &a),
@@ -110,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn a_column_more_or_less_is_no_difference() {
+    fn a_cell_more_or_less_is_no_difference() {
         let pairs =
             Pairs::from(vec![pair(0, 8.0, 3.0), pair(1, 3.0, 3.0), pair(2, 3.25, 3.0), pair(3, 0.0, 3.0)], 0.25);
         assert_eq!(pairs.rfem_shorter.map(|s| s.count), Some(1));

@@ -13,9 +13,6 @@ use crate::{
 
 const R: Quantity<'static> = Quantity { name: "sliding distance r", unit: "m" };
 
-/// Step in which r comes (m): two columns of points, so that a bin holds as many columns as the next.
-const RESOLUTION: f64 = 0.5;
-
 /// Names of the pictures, with what each shows.
 pub fn names(report: &Report) -> Vec<(String, String)> {
     let groups = groups(report).into_iter().map(|(name, _)| (histogram_name(name), format!("Histograms of r, {name}")));
@@ -39,12 +36,13 @@ pub fn draw(out: &Path, report: &Report) -> io::Result<()> {
     Ok(())
 }
 
-/// Arms that share a picture: those of a group, and each alone that has none.
+/// Arms that share a picture: those of a group, and each alone that has none. Names that differ in signs
+/// alone have one file, and so one picture.
 fn groups(report: &Report) -> Vec<(&str, Vec<&ArmReport>)> {
     let mut found: Vec<(&str, Vec<&ArmReport>)> = Vec::new();
     for arm in report.arms.iter().filter(|a| !a.rmpm.values.is_empty()) {
         let name = if arm.arm.group.is_empty() { &arm.arm.name } else { &arm.arm.group };
-        match found.iter_mut().find(|(n, _)| n == name) {
+        match found.iter_mut().find(|(n, _)| histogram_name(n) == histogram_name(name)) {
             Some((_, arms)) => arms.push(arm),
             None => found.push((name, vec![arm])),
         }
@@ -76,7 +74,7 @@ fn group(path: &Path, arms: &[&ArmReport]) -> io::Result<()> {
 fn single(arm: &ArmReport) -> Option<SeriesPlot> {
     let f = &arm.rmpm;
     let censoring = Censoring { low: Some(0.0), high: f.wall_m };
-    let histogram = Histogram::of(&f.values, &Binning::of(&[&f.values], censoring, RESOLUTION))?;
+    let histogram = Histogram::of(&f.values, &Binning::of(&[&f.values], censoring, f.resolution_m))?;
     let fits = [fit(f, "normal, plain".to_owned(), false), censored(f)].into_iter().flatten().collect();
     let group = HistogramGroup { name: format!("{} realisations", f.values.len()), histogram: &histogram, fits };
     let mut markers = Vec::new();
@@ -104,13 +102,14 @@ fn censored(f: &Figures) -> Option<FittedNormal> {
     Some(FittedNormal { name: "normal, limits as limits".to_owned(), mean: fit.mean, sd: fit.sd, dashed: true })
 }
 
-/// The same range of r and of density for all histograms of a group.
+/// The same range of r and of density for all histograms of a group; it holds the markers too.
 fn same_axes(plots: &mut [SeriesPlot]) {
     let bars =
         |p: &SeriesPlot| p.bars.iter().flat_map(|b| &b.bars).map(|b| (b.from, b.to, b.height)).collect::<Vec<_>>();
     let all: Vec<(f64, f64, f64)> = plots.iter().flat_map(bars).collect();
-    let low = all.iter().map(|b| b.0).fold(0.0, f64::min);
-    let high = all.iter().map(|b| b.1).fold(0.0, f64::max);
+    let marked: Vec<f64> = plots.iter().flat_map(|p| &p.markers).filter(|m| m.vertical).map(|m| m.value).collect();
+    let low = all.iter().map(|b| b.0).chain(marked.iter().copied()).fold(0.0, f64::min);
+    let high = all.iter().map(|b| b.1).chain(marked).fold(0.0, f64::max);
     let top = 1.25 * all.iter().map(|b| b.2).fold(0.0, f64::max);
     for plot in plots.iter_mut().filter(|_| top > 0.0) {
         plot.x = AxisSpec { range: Some((low, high)), ..plot.x.clone() };
@@ -121,7 +120,7 @@ fn same_axes(plots: &mut [SeriesPlot]) {
 /// Histograms of both methods over each other, and the pairs.
 fn compared(path: &Path, arm: &ArmReport, found: &Pairs, rfem: &Figures) -> io::Result<()> {
     let censoring = Censoring { low: Some(0.0), high: arm.rmpm.wall_m };
-    let binning = Binning::of(&[&arm.rmpm.values, &rfem.values], censoring, RESOLUTION);
+    let binning = Binning::of(&[&arm.rmpm.values, &rfem.values], censoring, arm.rmpm.resolution_m);
     let each = [("RMPM", &arm.rmpm), ("RFEM", rfem)];
     let drawn = each.map(|(name, f)| (name, Histogram::of(&f.values, &binning)));
     let groups: Vec<HistogramGroup> = drawn

@@ -10,7 +10,7 @@ pub fn remarks(arms: &[ArmReport]) -> Vec<String> {
     text.extend(arms.iter().filter_map(rfem));
     text.extend(failures(arms));
     text.push(
-        "Every mean stands with its standard error; one realisation moves by a block (some 2.5 m) with strengths changed by 0.05 %, so only ensembles are compared.".to_owned(),
+        "Every mean stands with its standard error. After failure a single realisation may move by a whole block where its strength moves by a hair, so only ensembles are compared.".to_owned(),
     );
     text
 }
@@ -24,9 +24,7 @@ fn against_source(arm: &ArmReport) -> Option<String> {
     let apart = (ours.mean - mean) / error;
     let verdict = match apart.abs() {
         a if a <= 2.0 => "within two standard errors of each other",
-        _ => {
-            "further apart than chance: the source leaves open the unit weight, the strength measure, the correlation of peak and residual strength and the loading, and each moves r (`rmpm study cases/studies/open-choices.toml`)"
-        }
+        _ => "further apart than chance explains: a choice that the source leaves open, or the model, differs",
     };
     Some(format!(
         "{}: mean r {:.2} +- {:.2} m against {mean:.2} m ({}); the difference is {apart:.1} standard errors (ours taken for both): {verdict}.",
@@ -36,8 +34,12 @@ fn against_source(arm: &ArmReport) -> Option<String> {
 
 /// How mean and sd move over the arms of a group.
 fn trend(arms: &[ArmReport]) -> Vec<String> {
-    let mut groups: Vec<&str> = arms.iter().map(|a| a.arm.group.as_str()).filter(|g| !g.is_empty()).collect();
-    groups.dedup();
+    let mut groups: Vec<&str> = Vec::new();
+    for group in arms.iter().map(|a| a.arm.group.as_str()).filter(|g| !g.is_empty()) {
+        if !groups.contains(&group) {
+            groups.push(group);
+        }
+    }
     groups.into_iter().filter_map(|group| group_trend(group, arms)).collect()
 }
 
