@@ -26,7 +26,7 @@ mod tree;
 mod types;
 
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
-pub use study::{Arm, Expectation, Study, read_study};
+pub use study::{Arm, Expectation, Study, folder_name, read_study};
 pub use template::{TEMPLATES, template};
 pub use types::*;
 

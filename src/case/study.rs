@@ -115,7 +115,7 @@ fn arm(mut keys: Keys<'_>) -> Option<Arm> {
 
 fn name(cursor: &Cursor<'_>) -> Option<String> {
     let text = cursor.text()?;
-    let folder = folder(text);
+    let folder = folder_name(text);
     if folder.is_empty() {
         cursor.error(Problem::new("this name has no letter and no digit", "names the folder of the arm"));
         return None;
@@ -147,7 +147,7 @@ fn expectation(cursor: &Cursor<'_>) -> Option<Expectation> {
 impl Arm {
     /// The name of its folder: letters, digits and points of the name, other stretches as a dash.
     pub fn folder(&self) -> String {
-        folder(&self.name)
+        folder_name(&self.name)
     }
 
     /// The name of the folder of RFEM beside it.
@@ -156,7 +156,8 @@ impl Arm {
     }
 }
 
-fn folder(name: &str) -> String {
+/// A name as that of a folder: letters, digits and points of it, other stretches as a dash.
+pub fn folder_name(name: &str) -> String {
     let kept = |c: char| c.is_ascii_alphanumeric() || c == '.';
     let parts = name.split(|c| !kept(c)).map(|part| part.trim_matches('.')).filter(|part| !part.is_empty());
     parts.collect::<Vec<_>>().join("-").to_lowercase()

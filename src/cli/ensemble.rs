@@ -1,11 +1,11 @@
 //! `rmpm ensemble`.
 
-use std::{path::PathBuf, sync::atomic::Ordering, time::Duration};
+use std::{path::PathBuf, sync::atomic::Ordering};
 
-use super::{Failure, exit::print, input::CaseArgs, interrupt, progress::runs_bar};
+use super::{Failure, conduct::Options, exit::print, input::CaseArgs, interrupt, progress::runs_bar};
 use crate::{
     output::folder,
-    study::ensemble::{self, Ended, Plan, Problem, Shard, Start, Watch},
+    study::ensemble::{self, Ended, Plan, Problem, Shard, Watch},
 };
 
 #[derive(Debug, clap::Args)]
@@ -24,28 +24,11 @@ pub struct Args {
     /// Only a part, for one of several machines, e.g. 2/7; `rmpm merge` puts the parts together
     #[arg(long, value_name = "I/N", default_value = "1/1")]
     shard: Shard,
-    /// Go on with the ensemble in the folder
-    #[arg(long, conflicts_with = "fresh")]
-    resume: bool,
-    /// Start over, whatever ensemble the folder holds
-    #[arg(long)]
-    fresh: bool,
-    /// Realisations at a time; all cores without it
-    #[arg(long, short = 'j', value_parser = clap::value_parser!(u16).range(1..=1024))]
-    jobs: Option<u16>,
-    /// Begin no realisation after this much wall time (s)
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
-    time_limit: Option<Duration>,
-    /// No progress bar
-    #[arg(long, short)]
-    quiet: bool,
-    /// Print {summary, timing} as JSON on standard output, and nothing else there
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    options: Options,
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let (stop, abandon) = (interrupt::flag(), interrupt::second());
     let (case, _) = args.case.read()?;
     let stem = args.case.case.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from("out").join(format!("{stem}-ensemble")));
@@ -56,25 +39,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         realisations: args.realisations.unwrap_or(case.ensemble.realisations),
         case,
         shard: args.shard,
-        start: start(args),
-        threads: args.jobs.map_or(0, usize::from),
-        max_memory: args.case.max_memory,
-        time_limit: args.time_limit,
-        stop,
-        abandon,
+        conduct: args.options.conduct(args.case.max_memory),
     };
-    let watch = Watch { progress: &runs_bar(args.quiet), note: &note };
+    let watch = Watch { progress: &runs_bar(args.options.quiet), note: &note };
     let ended = ensemble::ensemble(&plan, &out, &watch).map_err(|e| failure(&place, e))?;
-    say(&ended, args.json, &place)?;
+    say(&ended, args.options.json, &place)?;
     ending(&ended)
-}
-
-fn start(args: &Args) -> Start {
-    match (args.resume, args.fresh) {
-        (true, _) => Start::Resume,
-        (_, true) => Start::Fresh,
-        _ => Start::New,
-    }
 }
 
 /// A note while the bar may be there.
@@ -102,16 +72,19 @@ pub fn say(ended: &Ended, json: bool, place: &str) -> Result<(), Failure> {
 
 /// What is not done comes before what has failed: it can be gone on with.
 fn ending(ended: &Ended) -> Result<(), Failure> {
-    let (done, failed) = (ended.results.rows.len(), ended.results.failed());
     if !ended.results.complete() {
-        let hint = format!("{done} realisations are done and kept; go on with: {}", again());
-        return Err(if interrupt::flag().load(Ordering::Relaxed) {
-            Failure::Interrupted(format!("interrupted: {hint}"))
-        } else {
-            Failure::Cap(format!("the time limit was reached: {hint}"))
-        });
+        return Err(unfinished(ended.results.rows.len()));
     }
-    failures(failed)
+    failures(ended.results.failed())
+}
+
+/// Why not all is done, and how to go on.
+pub fn unfinished(done: usize) -> Failure {
+    let hint = format!("{done} realisations are done and kept; go on with: {}", again());
+    match interrupt::flag().load(Ordering::Relaxed) {
+        true => Failure::Interrupted(format!("interrupted: {hint}")),
+        false => Failure::Cap(format!("the time limit was reached: {hint}")),
+    }
 }
 
 /// Realisations that have failed.
@@ -138,10 +111,4 @@ fn quoted(text: &str) -> String {
     } else {
         format!("'{}'", text.replace('\'', r"'\''"))
     }
-}
-
-/// A length of time (s).
-fn seconds(text: &str) -> Result<Duration, String> {
-    let wrong = || format!("'{text}' is no time in s");
-    Duration::try_from_secs_f64(text.trim().parse().map_err(|_| wrong())?).map_err(|_| wrong())
 }

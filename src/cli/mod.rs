@@ -2,6 +2,7 @@
 
 mod check;
 mod compare;
+mod conduct;
 mod converge;
 mod ensemble;
 mod exit;

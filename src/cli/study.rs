@@ -3,19 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use super::{
-    Failure, ensemble as single,
+    Failure, conduct, ensemble as single,
     exit::print,
     input::{CaseArgs, read_text, size},
-    interrupt,
     progress::runs_bar,
 };
 use crate::{
     case::{self, Arm, Study},
     output::folder,
-    study::{
-        arms::{self, Plan, Progress, Ran, Viewer},
-        ensemble::Start,
-    },
+    study::arms::{self, Plan, Progress, Ran, Viewer},
 };
 
 /// How ensembles side by side are run.
@@ -24,21 +20,8 @@ pub struct Options {
     /// Realisations of each arm, in place of those of the study
     #[arg(short = 'n', long, value_parser = clap::value_parser!(u64).range(2..=1_000_000))]
     realisations: Option<u64>,
-    /// Go on with what the folder holds
-    #[arg(long, conflicts_with = "fresh")]
-    resume: bool,
-    /// Start over, whatever the folder holds
-    #[arg(long)]
-    fresh: bool,
-    /// Realisations at a time; all cores without it
-    #[arg(long, short = 'j', value_parser = clap::value_parser!(u16).range(1..=1024))]
-    jobs: Option<u16>,
-    /// No progress bar
-    #[arg(long, short)]
-    quiet: bool,
-    /// Print the study as JSON on standard output, and nothing else there
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    conduct: conduct::Options,
 }
 
 #[derive(Debug, clap::Args)]
@@ -102,23 +85,8 @@ pub fn rfem(args: &RfemArgs) -> Result<(), Failure> {
 }
 
 fn plan(study: Study, name: String, text: String, max_memory: u64, options: &Options) -> Plan {
-    let start = match (options.resume, options.fresh) {
-        (true, _) => Start::Resume,
-        (_, true) => Start::Fresh,
-        _ => Start::New,
-    };
-    Plan {
-        study,
-        name,
-        text,
-        realisations: options.realisations,
-        start,
-        threads: options.jobs.map_or(0, usize::from),
-        max_memory,
-        time_limit: None,
-        stop: interrupt::flag(),
-        abandon: interrupt::second(),
-    }
+    let conduct = options.conduct.conduct(max_memory);
+    Plan { study, name, text, realisations: options.realisations, conduct }
 }
 
 fn carry_out(plan: &Plan, out: &Path, options: &Options) -> Result<(), Failure> {
@@ -126,10 +94,10 @@ fn carry_out(plan: &Plan, out: &Path, options: &Options) -> Result<(), Failure> 
     let write = |e: std::io::Error| Failure::io(&place, &e);
     let _lock = folder::claim(out).map_err(write)?;
     let begin = |label: &str| -> Progress {
-        if !options.quiet {
+        if !options.conduct.quiet {
             eprintln!("{label}");
         }
-        Box::new(runs_bar(options.quiet))
+        Box::new(runs_bar(options.conduct.quiet))
     };
     let ran = arms::study(plan, out, &Viewer { begin: &begin, note: &single::note })
         .map_err(|e| single::failure(&place, e))?;
@@ -138,14 +106,15 @@ fn carry_out(plan: &Plan, out: &Path, options: &Options) -> Result<(), Failure> 
     arms::draw(out, &report).map_err(write)?;
     let json = || serde_json::to_string_pretty(&report).map_err(|e| write(e.into()));
     let table = || format!("{}left in {place}\n", arms::table(&report));
-    print(&if options.json { json()? + "\n" } else { table() })?;
+    print(&if options.conduct.json { json()? + "\n" } else { table() })?;
     ending(plan, &ran)
 }
 
 fn ending(plan: &Plan, ran: &[Ran]) -> Result<(), Failure> {
     let whole = |r: &Ran| r.rmpm.results.complete() && r.rfem.as_ref().is_none_or(|e| e.results.complete());
     if ran.len() < plan.study.arms.len() || !ran.iter().all(whole) {
-        return Err(Failure::Interrupted("interrupted; go on with --resume".to_owned()));
+        let done = |r: &Ran| r.rmpm.results.rows.len() + r.rfem.as_ref().map_or(0, |e| e.results.rows.len());
+        return Err(single::unfinished(ran.iter().map(done).sum()));
     }
     let failed = |r: &Ran| r.rmpm.results.failed() + r.rfem.as_ref().map_or(0, |e| e.results.failed());
     single::failures(ran.iter().map(failed).sum())

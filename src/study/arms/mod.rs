@@ -12,11 +12,11 @@ pub use pairs::Pairs;
 pub use picture::draw;
 pub use report::{markdown, table};
 
-use std::{path::Path, sync::atomic::AtomicBool, time::Duration};
+use std::{path::Path, time::Instant};
 
 use serde::Serialize;
 
-use super::ensemble::{self, Ended, Problem, Shard, Start, Watch};
+use super::ensemble::{self, Conduct, Ended, Problem, Shard, Start, Watch};
 use crate::{
     case::{self, Arm, Case, Study},
     output::{
@@ -27,7 +27,7 @@ use crate::{
 
 /// The keys that turn a case into RFEM: small strain on the fixed mesh of the same cells, points at
 /// their Gauss positions, the same strengths, base and gravity; equilibrium up to the onset of failure,
-/// then backward Euler until the slide is plain (REFERENCE: the paper's RFEM is one of small strain).
+/// then backward Euler until the slide is plain.
 pub const RFEM: [&str; 8] = [
     "solver.scheme=implicit",
     "solver.kinematics=small",
@@ -48,14 +48,7 @@ pub struct Plan {
     pub text: String,
     /// Realisations of all arms, in place of those of the study.
     pub realisations: Option<u64>,
-    pub start: Start,
-    /// Realisations at a time; 0 is one a core.
-    pub threads: usize,
-    pub max_memory: u64,
-    /// Wall time after which none is begun any more.
-    pub time_limit: Option<Duration>,
-    pub stop: &'static AtomicBool,
-    pub abandon: &'static AtomicBool,
+    pub conduct: Conduct,
 }
 
 /// An arm that has been run.
@@ -107,15 +100,22 @@ pub struct Viewer<'a> {
 /// A case or a change that cannot be read or built, a folder that may not be taken, before anything is run;
 /// those of the ensembles.
 pub fn study(plan: &Plan, out: &Path, viewer: &Viewer) -> Result<Vec<Ran>, Problem> {
-    let cases = plan.study.arms.iter().map(|arm| cases(plan, arm)).collect::<Result<Vec<_>, _>>()?;
+    let arms = &plan.study.arms;
+    let cases = arms.iter().map(|arm| cases(plan, arm)).collect::<Result<Vec<_>, _>>()?;
     ready(plan, &cases, out)?;
+    let began = Instant::now();
+    let (mut plan, limit) = (plan.clone(), plan.conduct.time_limit);
+    let mut run = |arm: &Arm, case: &Case, label: &str, folder: String| {
+        // the limit is that of the study
+        plan.conduct.time_limit = limit.map(|limit| limit.saturating_sub(began.elapsed()));
+        run(&plan, arm, case, label, &out.join(folder), viewer)
+    };
     let mut done = Vec::new();
-    for (arm, (case, rfem_case)) in plan.study.arms.iter().zip(cases) {
-        let rmpm = run(plan, arm, &case, &arm.name, &out.join(arm.folder()), viewer)?;
+    for (arm, (case, rfem_case)) in arms.iter().zip(cases) {
+        let rmpm = run(arm, &case, &arm.name, arm.folder())?;
         let whole = rmpm.results.complete();
-        let rfem = rfem_case
-            .filter(|_| whole)
-            .map(|case| run(plan, arm, &case, &format!("{}, RFEM", arm.name), &out.join(arm.rfem_folder()), viewer));
+        let rfem =
+            rfem_case.filter(|_| whole).map(|case| run(arm, &case, &format!("{}, RFEM", arm.name), arm.rfem_folder()));
         let rfem = rfem.transpose()?;
         let whole = whole && rfem.as_ref().is_none_or(|e| e.results.complete());
         done.push(Ran { arm: arm.clone(), case, rmpm, rfem });
@@ -153,7 +153,7 @@ fn ready(plan: &Plan, cases: &[(Case, Option<Case>)], out: &Path) -> Result<(), 
             of += 1;
         }
     }
-    if plan.start == Start::New && 0 < held && held < of {
+    if plan.conduct.start == Start::New && 0 < held && held < of {
         let text = format!(
             "'{}' holds {held} of {of} ensembles of a study: go on with --resume, or start over with --fresh",
             out.display()
@@ -185,12 +185,7 @@ fn single(plan: &Plan, arm: &Arm, case: &Case) -> ensemble::Plan {
         first: 0,
         realisations: realisations.unwrap_or(case.ensemble.realisations),
         shard: Shard::WHOLE,
-        start: plan.start,
-        threads: plan.threads,
-        max_memory: plan.max_memory,
-        time_limit: plan.time_limit,
-        stop: plan.stop,
-        abandon: plan.abandon,
+        conduct: plan.conduct,
     }
 }
 

@@ -5,9 +5,10 @@ use std::{io, path::Path};
 
 use super::{ArmReport, Figures, Pairs, Report};
 use crate::{
+    case::folder_name,
     math::stats::{Binning, Censoring, Histogram},
     output::plot::{
-        self, AxisSpec, FittedNormal, HistogramGroup, Marker, Part, Quantity, SeriesPlot, densities, histograms, pairs,
+        self, FittedNormal, HistogramGroup, Marker, Part, Quantity, SeriesPlot, densities, histograms, pairs,
     },
 };
 
@@ -51,9 +52,7 @@ fn groups(report: &Report) -> Vec<(&str, Vec<&ArmReport>)> {
 }
 
 fn histogram_name(group: &str) -> String {
-    let word: String =
-        group.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' }).collect();
-    format!("histograms-{word}.png")
+    format!("histograms-{}.png", folder_name(group))
 }
 
 fn pairs_name(arm: &ArmReport) -> String {
@@ -62,7 +61,7 @@ fn pairs_name(arm: &ArmReport) -> String {
 
 fn group(path: &Path, arms: &[&ArmReport]) -> io::Result<()> {
     let mut plots: Vec<SeriesPlot> = arms.iter().filter_map(|a| single(a)).collect();
-    same_axes(&mut plots);
+    plot::share_axes(&mut plots);
     if arms.len() > 1 {
         let fits: Vec<FittedNormal> = arms.iter().filter_map(|a| fit(&a.rmpm, a.arm.name.clone(), false)).collect();
         plots.push(titled(densities(R, &fits, Vec::new()), "Fitted normal distributions over each other"));
@@ -100,21 +99,6 @@ fn fit(f: &Figures, name: String, dashed: bool) -> Option<FittedNormal> {
 fn censored(f: &Figures) -> Option<FittedNormal> {
     let fit = f.censored_fit.as_ref().filter(|c| c.below + c.above > 0)?;
     Some(FittedNormal { name: "normal, limits as limits".to_owned(), mean: fit.mean, sd: fit.sd, dashed: true })
-}
-
-/// The same range of r and of density for all histograms of a group; it holds the markers too.
-fn same_axes(plots: &mut [SeriesPlot]) {
-    let bars =
-        |p: &SeriesPlot| p.bars.iter().flat_map(|b| &b.bars).map(|b| (b.from, b.to, b.height)).collect::<Vec<_>>();
-    let all: Vec<(f64, f64, f64)> = plots.iter().flat_map(bars).collect();
-    let marked: Vec<f64> = plots.iter().flat_map(|p| &p.markers).filter(|m| m.vertical).map(|m| m.value).collect();
-    let low = all.iter().map(|b| b.0).chain(marked.iter().copied()).fold(0.0, f64::min);
-    let high = all.iter().map(|b| b.1).chain(marked).fold(0.0, f64::max);
-    let top = 1.25 * all.iter().map(|b| b.2).fold(0.0, f64::max);
-    for plot in plots.iter_mut().filter(|_| top > 0.0) {
-        plot.x = AxisSpec { range: Some((low, high)), ..plot.x.clone() };
-        plot.y = AxisSpec { range: Some((0.0, top)), ..plot.y.clone() };
-    }
 }
 
 /// Histograms of both methods over each other, and the pairs.

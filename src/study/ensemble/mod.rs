@@ -62,6 +62,12 @@ pub struct Plan {
     pub first: u64,
     pub realisations: u64,
     pub shard: Shard,
+    pub conduct: Conduct,
+}
+
+/// How ensembles are run.
+#[derive(Clone, Copy, Debug)]
+pub struct Conduct {
     pub start: Start,
     /// Realisations at a time; 0 is one a core.
     pub threads: usize,
@@ -130,7 +136,7 @@ pub fn ensemble(plan: &Plan, out: &Path, watch: &Watch) -> Result<Ended, Problem
     let (began, cpu) = (Instant::now(), cpu_seconds());
     let realiser = realiser(plan)?;
     let session = session(plan);
-    let (mut journal, known, notes) = folder::open(out, &session, plan.start)?;
+    let (mut journal, known, notes) = folder::open(out, &session, plan.conduct.start)?;
     notes.iter().for_each(|text| (watch.note)(text));
     if plan.case.strength_reduction.is_some() {
         (watch.note)(
@@ -157,7 +163,7 @@ pub fn ensemble(plan: &Plan, out: &Path, watch: &Watch) -> Result<Ended, Problem
 /// A case that is not random or cannot be built, a folder that may not be taken in this way.
 pub fn ready(plan: &Plan, out: &Path) -> Result<bool, Problem> {
     realiser(plan)?;
-    folder::admit(out, &session(plan), plan.start).map(|known| known.id().is_some())
+    folder::admit(out, &session(plan), plan.conduct.start).map(|known| known.id().is_some())
 }
 
 /// Most realisations: the list of those to be done stands in memory.
@@ -169,8 +175,8 @@ fn realiser(plan: &Plan) -> Result<Realiser<'_>, Problem> {
     let cannot = |e: scene::SceneError| {
         if e.too_large { Problem::TooLarge(e.to_string()) } else { Problem::Refused(e.to_string()) }
     };
-    let limits = Limits { interrupt: Some(plan.abandon), time_limit: None };
-    let realiser = Realiser::new(&plan.case, plan.max_memory, limits).map_err(cannot)?;
+    let limits = Limits { interrupt: Some(plan.conduct.abandon), time_limit: None };
+    let realiser = Realiser::new(&plan.case, plan.conduct.max_memory, limits).map_err(cannot)?;
     realiser.scene(None).map_err(cannot)?;
     Ok(realiser)
 }
@@ -233,11 +239,14 @@ fn work(
         return Ok(());
     }
     let began = Instant::now();
-    let stop = || plan.stop.load(Ordering::Relaxed) || plan.time_limit.is_some_and(|limit| began.elapsed() >= limit);
+    let stop = || {
+        plan.conduct.stop.load(Ordering::Relaxed)
+            || plan.conduct.time_limit.is_some_and(|limit| began.elapsed() >= limit)
+    };
     let run = |worker: usize, draw: &Draw| realiser.run(*draw, worker);
-    spent.threads = workers::count(plan.threads).min(draws.len());
+    spent.threads = workers::count(plan.conduct.threads).min(draws.len());
     let mut failure = None;
-    workers::hand_out(plan.threads, &draws, &stop, &run, &mut |_, result: Option<Done>| {
+    workers::hand_out(plan.conduct.threads, &draws, &stop, &run, &mut |_, result: Option<Done>| {
         let Some(row) = result else { return ControlFlow::Break(()) };
         if let Err(e) = journal.rows([&row].into_iter()) {
             failure.get_or_insert(e);
