@@ -132,6 +132,18 @@ fn what_cannot_be_drawn_is_refused_with_its_key() {
 }
 
 #[test]
+fn fields_drawn_again_are_told() {
+    let keys = ["field.strength.low_values=resample", "field.strength.floor=0.3", "field.strength.theta_h=1"];
+    let scene = scene(&keys);
+    let again = scene.fields[0].counts.redrawn;
+    assert!(again > 0);
+    let said = scene.warnings.iter().find(|w| w.code == "redrawn_field").expect("a warning");
+    assert!(said.text.contains(&format!("{} times", again + 1)), "{}", said.text);
+    let lowest = scene.simulation.snapshot().peak_strength.iter().copied().fold(f64::INFINITY, f64::min);
+    assert!(lowest >= 0.3 * 20.0);
+}
+
+#[test]
 fn floored_values_are_counted() {
     let scene = scene(&["field.strength.variation=1", "field.strength.theta_h=1"]);
     let note = &scene.fields[0];

@@ -99,9 +99,11 @@ pub fn build_reduced(case: &Case, max_memory: u64, fields: &Fields, factor: f64)
     let mut simulation = Simulation::new(body, integrator, control, in_situ);
     simulation.work.cells = seeding.cells;
     let mut warnings = warnings::list(case, &mut simulation);
+    let notes_on_fields = fields::notes(case, fields, &drawn);
     warnings.extend(warnings::limited(limited));
+    warnings.extend(warnings::redrawn(&notes_on_fields));
     Ok(Scene {
-        fields: fields::notes(case, fields, &drawn),
+        fields: notes_on_fields,
         effects: notes::list(case, &simulation),
         simulation,
         grid,

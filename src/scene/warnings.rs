@@ -48,6 +48,21 @@ pub fn limited(points: u64) -> Option<Warning> {
     })
 }
 
+/// A field that was drawn again until it had no low value is one of a choice, not of the distribution.
+pub fn redrawn(fields: &[super::FieldNote]) -> Vec<Warning> {
+    let again = fields.iter().filter(|f| f.counts.redrawn > 0);
+    again
+        .map(|f| {
+            let text = format!(
+                "field `{}` was drawn {} times until no cell was below the floor: such fields are stronger than the distribution that was asked for",
+                f.name,
+                f.counts.redrawn + 1
+            );
+            Warning::new("redrawn_field", &format!("field.{}.low_values", f.name), text)
+        })
+        .collect()
+}
+
 /// Small strain draws any displacement, and means only small ones.
 fn small_strain(case: &Case) -> Option<Warning> {
     (case.solver.kinematics == crate::case::Kinematics::Small).then(|| {

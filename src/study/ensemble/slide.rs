@@ -59,6 +59,12 @@ pub fn statistics(results: &Results) -> Option<SlideStatistics> {
             "realisations come in opposite pairs: the errors of the means are those of pairs, all other errors, intervals and p-values take realisations as independent".to_owned(),
         );
     }
+    let redrawn = results.rows.values().filter(|d| d.row.work.get("redrawn_fields").is_some_and(|n| *n > 0.0)).count();
+    if redrawn > 0 {
+        remarks.push(format!(
+            "{redrawn} realisations had fields drawn again (low_values = \"resample\"): they are stronger than the distribution that was asked for"
+        ));
+    }
     let fit = CensoredFit::of(&r, &censoring).map_err(|e| remarks.push(format!("no censored normal: {e}"))).ok();
     let test = NormalTest { censoring, resolution: resolution(&results.case), ..NormalTest::default() };
     // a test of what cannot be fitted has the same reason not to be
