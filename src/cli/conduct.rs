@@ -5,7 +5,9 @@ use std::time::Duration;
 use super::interrupt;
 use crate::study::ensemble::{Conduct, Start};
 
+// flattened beside another group of this name
 #[derive(Debug, clap::Args)]
+#[group(skip)]
 pub struct Options {
     /// Go on with what the folder holds
     #[arg(long, conflicts_with = "fresh")]
