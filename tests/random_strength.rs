@@ -72,7 +72,7 @@ fn strengths_have_the_moments_asked_for() {
         })
         .collect();
     let (mean, sd) = mean_and_sd(draws.iter().copied());
-    // some 100 independent stretches a field: 2 in four standard errors, 0.25 / sqrt(200 x 100)
+    // a field of 25 x 5 m with theta = 1 m holds some 100 independent stretches; four standard errors
     assert!((mean - 1.0).abs() < 4.0 * 0.25 / 20_000f64.sqrt(), "{mean}");
     let generator = fields.models()[0].generator.as_ref().expect("it varies");
     let variance = generator.covariances(0).expect("a cell")[0];
