@@ -14,6 +14,7 @@ mod not_modelled;
 mod outline;
 mod overrides;
 mod parse;
+mod random;
 mod section;
 mod source;
 mod study;
@@ -26,6 +27,9 @@ mod tree;
 mod types;
 
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
+pub use random::{
+    CorrelationFamily, Ensemble, Field, FieldGenerator, LowValues, Marginal, Parameter, Statistic, Until,
+};
 pub use study::{Arm, Expectation, Study, folder_name, read_study};
 pub use template::{TEMPLATES, template};
 pub use types::*;

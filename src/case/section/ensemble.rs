@@ -3,7 +3,7 @@
 use crate::case::cursor::Cursor;
 use crate::case::keys::Keys;
 use crate::case::limits::positive;
-use crate::case::types::{Ensemble, Statistic, Until};
+use crate::case::random::{Ensemble, Statistic, Until};
 
 /// Most realisations of an ensemble.
 const MOST: u64 = 1_000_000_000;

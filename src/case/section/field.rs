@@ -8,8 +8,9 @@ use crate::case::keys::{Keys, Variant};
 use crate::case::limits::{COORDINATE, FRACTION, between, figure, positive, rounded, signed};
 use crate::case::log::Problem;
 use crate::case::outline::Extent;
+use crate::case::random::{CorrelationFamily, Field, FieldGenerator, LowValues, Marginal, Parameter};
 use crate::case::suggest;
-use crate::case::types::{CorrelationFamily, Field, FieldGenerator, LowValues, Marginal, Material, Parameter};
+use crate::case::types::Material;
 
 const DISTRIBUTIONS: &[Variant] =
     &[Variant { word: "normal", keys: &["low_values", "floor"] }, Variant { word: "lognormal", keys: &[] }];
