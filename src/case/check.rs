@@ -7,7 +7,7 @@ use super::log::{Log, Problem};
 use super::outline::place;
 use super::source::Span;
 use super::suggest;
-use super::types::{Case, Grid, Material, Region, RegionShape, Scheme, ShapeFunctions};
+use super::{Case, Grid, Material, Region, RegionShape, Scheme, ShapeFunctions};
 use crate::math::polygon::Point;
 
 /// Most cells of a grid.

@@ -15,7 +15,9 @@ mod outline;
 mod overrides;
 mod parse;
 mod random;
+mod scheme;
 mod section;
+mod soil;
 mod source;
 mod study;
 mod suggest;
@@ -30,6 +32,8 @@ pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use random::{
     CorrelationFamily, Ensemble, Field, FieldGenerator, LowValues, Marginal, Parameter, Statistic, Until,
 };
+pub use scheme::*;
+pub use soil::*;
 pub use study::{Arm, Expectation, Study, folder_name, read_study};
 pub use template::{TEMPLATES, template};
 pub use types::*;

@@ -2,9 +2,9 @@
 
 use crate::math::polygon::{self, Point};
 
+use super::RegionShape;
 use super::limits::figure;
 use super::log::Problem;
-use super::types::RegionShape;
 
 /// Most corners of a polygon.
 const MOST_CORNERS: usize = 1000;

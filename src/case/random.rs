@@ -3,7 +3,7 @@
 
 use serde::Serialize;
 
-use super::types::Material;
+use super::Material;
 
 /// The realisations of the random fields.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -1,6 +1,6 @@
 //! Times at which what acts on the soil has its final value, and the keys of the time step.
 
-use super::types::{Case, Drive, GravitySchedule, Scheme};
+use super::{Case, Drive, GravitySchedule, Scheme};
 
 impl Case {
     /// Time from which gravity has its final value (s).

@@ -5,7 +5,7 @@ use crate::case::keys::{Keys, Variant};
 use crate::case::limits::between;
 use crate::case::log::Problem;
 use crate::case::tree::Value;
-use crate::case::types::{Boundary, Side};
+use crate::case::{Boundary, Side};
 
 const KINDS: &[Variant] = &[
     Variant { word: "free", keys: &[] },

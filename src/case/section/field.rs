@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::case::Material;
 use crate::case::check::{Materials, PlacedRegion};
 use crate::case::cursor::Cursor;
 use crate::case::keys::{Keys, Variant};
@@ -10,7 +11,6 @@ use crate::case::log::Problem;
 use crate::case::outline::Extent;
 use crate::case::random::{CorrelationFamily, Field, FieldGenerator, LowValues, Marginal, Parameter};
 use crate::case::suggest;
-use crate::case::types::Material;
 
 const DISTRIBUTIONS: &[Variant] =
     &[Variant { word: "normal", keys: &["low_values", "floor"] }, Variant { word: "lognormal", keys: &[] }];

@@ -2,7 +2,7 @@
 
 use crate::case::keys::{Keys, Variant};
 use crate::case::limits::{DURATION, FRACTION, INTERVAL, between, signed};
-use crate::case::types::{Gravity, GravitySchedule, InitialStress};
+use crate::case::{Gravity, GravitySchedule, InitialStress};
 
 /// Standard gravity as geotechnics rounds it (m/s2).
 pub(super) const STANDARD: f64 = 9.81;

@@ -4,7 +4,7 @@ use crate::case::check::PlacedGrid;
 use crate::case::cursor::Cursor;
 use crate::case::keys::Keys;
 use crate::case::limits::{COORDINATE, positive};
-use crate::case::types::{CutCells, Grid, Layout, Points};
+use crate::case::{CutCells, Grid, Layout, Points};
 
 /// Reads `[grid]`, which every case needs.
 pub(super) fn grid(root: &mut Keys<'_>) -> Option<PlacedGrid> {

@@ -4,7 +4,7 @@ use crate::case::cursor::Cursor;
 use crate::case::keys::{Keys, Variant};
 use crate::case::limits::{Limits, between, figure, not_negative};
 use crate::case::log::Problem;
-use crate::case::types::{Implicit, Inertia, Ordering, Regime, Unsymmetric};
+use crate::case::{Implicit, Inertia, Ordering, Regime, Unsymmetric};
 
 const REGIMES: &[Variant] = &[
     Variant { word: "auto", keys: &["inertia", "hht_alpha"] },

@@ -9,7 +9,7 @@ use crate::case::limits::{COORDINATE, DURATION, INTERVAL, signed};
 use crate::case::log::Problem;
 use crate::case::outline::place;
 use crate::case::tree::Value;
-use crate::case::types::{Drive, Load};
+use crate::case::{Drive, Load};
 
 /// Most loads, and most drives, of a case.
 const MOST: usize = 1000;

@@ -8,7 +8,7 @@ use crate::case::keys::{Keys, Variant};
 use crate::case::limits::{Limits, between, figure, positive, rounded, signed};
 use crate::case::log::Problem;
 use crate::case::source::Span;
-use crate::case::types::{Elastic, Material, Strength, StrengthMeasure};
+use crate::case::{Elastic, Material, Strength, StrengthMeasure};
 
 const LAWS: &[Variant] = &[
     Variant { word: "elastic", keys: &[] },

@@ -19,7 +19,7 @@ use super::keys::Keys;
 use super::log::{Log, Problem};
 use super::source::Span;
 use super::tree::Table;
-use super::types::{Case, Kinematics};
+use super::{Case, Kinematics};
 
 /// Name of an item of a list that has none, by its place in the file: "region 1".
 pub(super) fn default_name(list: &str, index: usize) -> String {

@@ -8,7 +8,7 @@ use crate::case::limits::{COORDINATE, positive, signed};
 use crate::case::log::Problem;
 use crate::case::outline;
 use crate::case::source::Span;
-use crate::case::types::{Region, RegionShape, Spin, Wave};
+use crate::case::{Region, RegionShape, Spin, Wave};
 
 /// Most regions of a case.
 const MOST: usize = 1000;

@@ -2,7 +2,7 @@
 
 use crate::case::keys::Keys;
 use crate::case::limits::{DURATION, FRACTION, INTERVAL, between, positive};
-use crate::case::types::{Damping, End, Jitter, Output};
+use crate::case::{Damping, End, Jitter, Output};
 
 /// Reads `[damping]`.
 pub(super) fn damping(root: &mut Keys<'_>) -> Option<Damping> {

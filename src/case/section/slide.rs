@@ -5,7 +5,7 @@ use crate::case::keys::Keys;
 use crate::case::limits::{COORDINATE, DURATION, between, figure, not_negative, positive};
 use crate::case::log::Problem;
 use crate::case::outline::Extent;
-use crate::case::types::{RegionShape, Slide};
+use crate::case::{RegionShape, Slide};
 use crate::math::polygon::Point;
 
 /// Reads `[slide]`; no table, no slide.

@@ -4,7 +4,7 @@ use crate::case::cursor::Cursor;
 use crate::case::keys::Keys;
 use crate::case::limits::{FRACTION, between};
 use crate::case::log::Problem;
-use crate::case::types::{Explicit, Kinematics, Locking, Scheme, ShapeFunctions, Solver, StressUpdate};
+use crate::case::{Explicit, Kinematics, Locking, Scheme, ShapeFunctions, Solver, StressUpdate};
 
 /// Reads `[solver]`.
 pub(super) fn solver(root: &mut Keys<'_>) -> Option<Solver> {

@@ -4,7 +4,7 @@ use crate::case::check::Materials;
 use crate::case::keys::Keys;
 use crate::case::limits::{between, figure};
 use crate::case::log::Problem;
-use crate::case::types::{Material, StrengthReduction};
+use crate::case::{Material, StrengthReduction};
 
 /// Reads `[strength_reduction]`; no table, no search.
 pub(super) fn strength_reduction(

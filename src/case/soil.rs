@@ -1,0 +1,65 @@
+//! Types of `[material.NAME]`.
+
+use serde::Serialize;
+
+/// A soil. The tag is the key `law`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "law", rename_all = "snake_case")]
+pub enum Material {
+    /// Isotropic linear elasticity (Hencky's in finite strain).
+    Elastic {
+        #[serde(flatten)]
+        elastic: Elastic,
+    },
+    /// Von Mises with linear cohesion softening (eq. 4 of the paper).
+    VonMises {
+        #[serde(flatten)]
+        elastic: Elastic,
+        #[serde(flatten)]
+        strength: Strength,
+    },
+}
+
+impl Material {
+    /// Weight and stiffness, which every law has.
+    pub fn elastic(&self) -> &Elastic {
+        match self {
+            Material::Elastic { elastic } | Material::VonMises { elastic, .. } => elastic,
+        }
+    }
+}
+
+/// Weight and stiffness.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Elastic {
+    /// Unit weight (kN/m3). The file may give `density` (t/m3) instead.
+    pub unit_weight: f64,
+    /// E (kPa).
+    pub young_modulus: f64,
+    /// nu.
+    pub poisson_ratio: f64,
+}
+
+/// Strength of a von Mises soil.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Strength {
+    /// Peak cohesion c0 (kPa).
+    pub cohesion: f64,
+    /// Residual cohesion c_r (kPa).
+    pub residual_cohesion: f64,
+    /// H (kPa), slope of cohesion over plastic strain; negative softens, 0 is perfectly plastic.
+    pub softening_modulus: f64,
+    /// k in q <= k c. sqrt(3): then c is the plane-strain shear strength.
+    pub yield_constant: f64,
+    pub strength_measure: StrengthMeasure,
+}
+
+/// The stress that the strength is compared with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StrengthMeasure {
+    /// q(sigma) <= k c.
+    Cauchy,
+    /// q(tau) <= k c, with tau = J sigma.
+    Kirchhoff,
+}
