@@ -116,7 +116,7 @@ fn written_out(steps: usize) {
 
 fn hand_step(body: &mut Body, nodes: &mut Nodes, scratch: &mut Scratch<4>, path: FpPath) {
     nodes.begin();
-    path.run(Scatter { scratch, body, nodes, shape: Linear });
+    path.run(Scatter { scratch, body, nodes, cells: None, shape: Linear });
     std::hint::black_box(move_nodes(nodes));
     path.run(Push::<_, 4, true> { scratch, body, nodes, dt: DT, pic: 0.0, shape: Linear }).expect("points stay");
     let n = nodes.count;
@@ -127,7 +127,7 @@ fn hand_step(body: &mut Body, nodes: &mut Nodes, scratch: &mut Scratch<4>, path:
         }
     }
     roll(nodes, |n| &mut n.strain_velocity);
-    path.run(Strain { scratch, body, nodes, dt: DT, shape: Linear }).expect("points keep their shape");
+    path.run(Strain { scratch, body, nodes, cells: None, dt: DT, shape: Linear }).expect("points keep their shape");
     body.commit();
 }
 

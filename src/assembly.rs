@@ -4,20 +4,23 @@
 //! stay in the first-level cache ([`Scratch`]); a pass is instantiated once per shape function,
 //! and the law sits behind one virtual call a block.
 
+pub mod cells;
 pub mod response;
 pub mod smooth;
 
 use std::ops::Range;
 
+use cells::CellMeans;
+
 use crate::{
     block::Block,
     body::{Body, Group, chunks, load, load_state, set_uniform, store},
     domain,
-    fault::Fault,
+    fault::{Fault, FaultKind},
     math::simd::Kernel,
     nodes::Nodes,
     space::{
-        Shape, Stencil,
+        Grid, Shape, Stencil,
         stencil::{LANES, Lane},
     },
 };
@@ -131,14 +134,19 @@ impl<const N: usize> Default for Patch<N> {
 /// Loads the committed positions of a block and fills its stencil.
 #[inline(always)]
 pub fn place<S: Shape<N>, const N: usize>(s: &mut Scratch<N>, body: &Body, nodes: &Nodes, range: &Range<usize>) {
-    for axis in 0..2 {
-        load(&mut s.x.0[axis], &body.committed.x[axis], range);
-    }
+    load_places(s, body, range);
     let [x, y] = &s.x.0;
     if S::DOMAIN {
         S::fill(&nodes.grid, x, y, &domain::half_lengths(body, range), &mut s.stencil);
     } else {
         S::fill(&nodes.grid, x, y, &[[0.0; LANES]; 2], &mut s.stencil);
+    }
+}
+
+#[inline(always)]
+fn load_places<const N: usize>(s: &mut Scratch<N>, body: &Body, range: &Range<usize>) {
+    for axis in 0..2 {
+        load(&mut s.x.0[axis], &body.committed.x[axis], range);
     }
 }
 
@@ -195,6 +203,8 @@ pub struct Scatter<'a, S, const N: usize> {
     pub scratch: &'a mut Scratch<N>,
     pub body: &'a Body,
     pub nodes: &'a mut Nodes,
+    /// Where the mean stress is smoothed over cells.
+    pub cells: Option<&'a mut CellMeans>,
     pub shape: S,
 }
 
@@ -203,15 +213,21 @@ impl<S: Shape<N>, const N: usize> Kernel for Scatter<'_, S, N> {
 
     #[inline(always)]
     fn run(self) {
-        let Scatter { scratch: s, body, nodes, .. } = self;
+        let Scatter { scratch: s, body, nodes, mut cells, .. } = self;
         let offsets = S::offsets(nodes.grid.row());
         s.runs.begin(body.len());
+        if let Some(cells) = &mut cells {
+            mean_stresses(s, body, &nodes.grid, cells);
+        }
         for group in &body.groups {
             set_uniform(&mut s.block, group);
             for range in chunks(group.range.clone()) {
                 place::<S, N>(s, body, nodes, &range);
                 load_state(&mut s.block, group, &body.committed, &range);
                 group.law.stress(&mut s.block);
+                if let Some(cells) = &mut cells {
+                    cells.level_stress(&nodes.grid, &s.x.0, &mut s.block, range.len());
+                }
                 load_motion(s, body, &range);
                 shares(s);
                 s.stencil.find_runs(range.len());
@@ -229,6 +245,20 @@ impl<S: Shape<N>, const N: usize> Kernel for Scatter<'_, S, N> {
                 }
                 s.runs.ends.push(s.runs.runs.len() as u32);
             }
+        }
+    }
+}
+
+/// The sums of tr(J sigma) over the cells.
+fn mean_stresses<const N: usize>(s: &mut Scratch<N>, body: &Body, grid: &Grid, cells: &mut CellMeans) {
+    cells.begin();
+    for group in &body.groups {
+        set_uniform(&mut s.block, group);
+        for range in chunks(group.range.clone()) {
+            load_places(s, body, &range);
+            load_state(&mut s.block, group, &body.committed, &range);
+            group.law.stress(&mut s.block);
+            cells.add(grid, &s.x.0, body, &range, &cells::trace(&s.block));
         }
     }
 }
@@ -269,6 +299,8 @@ pub struct Strain<'a, S, const N: usize> {
     pub scratch: &'a mut Scratch<N>,
     pub body: &'a mut Body,
     pub nodes: &'a Nodes,
+    /// Where the dilatation is smoothed over cells.
+    pub cells: Option<&'a mut CellMeans>,
     pub dt: f64,
     pub shape: S,
 }
@@ -278,9 +310,12 @@ impl<S: Shape<N>, const N: usize> Kernel for Strain<'_, S, N> {
 
     #[inline(always)]
     fn run(self) -> Self::Output {
-        let Strain { scratch: s, body, nodes, dt, .. } = self;
+        let Strain { scratch: s, body, nodes, mut cells, dt, .. } = self;
         let [vx, vy] = &nodes.strain_velocity;
         let (mut plastic_work, mut block) = (0.0, 0);
+        if let Some(cells) = &mut cells {
+            mean_dilatations::<S, N>(s, body, nodes, cells, dt)?;
+        }
         for g in 0..body.groups.len() {
             set_uniform(&mut s.block, &body.groups[g]);
             for range in chunks(body.groups[g].range.clone()) {
@@ -290,6 +325,10 @@ impl<S: Shape<N>, const N: usize> Kernel for Strain<'_, S, N> {
                 gradient(s, dt);
                 if S::DOMAIN {
                     domain::deform(body, &s.block.du, &range);
+                }
+                if let Some(cells) = &mut cells {
+                    let law = body.groups[g].law.as_ref();
+                    cells.level_strain(&nodes.grid, &s.x.0, law, &mut s.block, range.len());
                 }
                 load_point_state(&mut s.block, &body.groups[g], body, &range);
                 if let Err(fault) = body.groups[g].law.update(&mut s.block) {
@@ -302,6 +341,35 @@ impl<S: Shape<N>, const N: usize> Kernel for Strain<'_, S, N> {
         }
         Ok(plastic_work)
     }
+}
+
+/// The sums of the dilatation of the step over the cells.
+fn mean_dilatations<S: Shape<N>, const N: usize>(
+    s: &mut Scratch<N>,
+    body: &Body,
+    nodes: &Nodes,
+    cells: &mut CellMeans,
+    dt: f64,
+) -> Result<(), Fault> {
+    let [vx, vy] = &nodes.strain_velocity;
+    let (mut block, mut theta) = (0, [0.0; LANES]);
+    cells.begin();
+    for group in &body.groups {
+        for range in chunks(group.range.clone()) {
+            place::<S, N>(s, body, nodes, &range);
+            spread(s.runs.of(block), &mut s.nodal, [vx, vy]);
+            gradient(s, dt);
+            s.block.len = range.len();
+            group.law.dilatation(&s.block, &mut theta);
+            if let Some(lane) = theta[..range.len()].iter().position(|t| !t.is_finite()) {
+                // its mean would blame another point
+                return Err(body.blame(Fault::new(FaultKind::Inverted).at(lane as u32, [f64::NAN; 2]), range.start));
+            }
+            cells.add(&nodes.grid, &s.x.0, body, &range, &theta);
+            block += 1;
+        }
+    }
+    Ok(())
 }
 
 /// grad du = dt sum v_i (x) grad N_i.

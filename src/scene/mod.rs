@@ -91,7 +91,6 @@ pub fn build_reduced(case: &Case, max_memory: u64, fields: &Fields, factor: f64)
     check_inside(&grid, &seeding)?;
     check_regions(case, &seeding)?;
     check_initial_stress(case)?;
-    check_scheme(case)?;
     let drawn = fields.draw(case)?;
     let (mut body, limited) = body(case, &outlines, &seeding, &drawn, factor)?;
     let (integrator, control) = integrator(case, grid, &mut body)?;
@@ -186,14 +185,6 @@ fn check_initial_stress(case: &Case) -> Result<(), SceneError> {
     }
     if is_k0 && case.gravity.tilt != 0.0 {
         return Err(refuse("gravity.tilt", "a k0 stress is for level ground: it needs tilt = 0".to_owned()));
-    }
-    Ok(())
-}
-
-/// What the scheme of the case does not do.
-fn check_scheme(case: &Case) -> Result<(), SceneError> {
-    if case.solver.scheme == case::Scheme::Explicit && case.solver.locking == case::Locking::BBar {
-        return Err(refuse("solver.locking", "the explicit scheme has no cure for locking: use \"none\"".to_owned()));
     }
     Ok(())
 }

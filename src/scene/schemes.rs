@@ -26,6 +26,7 @@ pub fn explicit(case: &Case) -> explicit::Settings {
         pic_rate: e.pic_rate,
         courant: e.courant,
         mass_floor: e.mass_floor,
+        smooth: case.solver.locking == case::Locking::BBar,
     }
 }
 

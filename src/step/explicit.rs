@@ -3,7 +3,7 @@
 use std::marker::PhantomData;
 
 use crate::{
-    assembly::{Scatter, Scratch, Strain, place},
+    assembly::{Scatter, Scratch, Strain, cells::CellMeans, place},
     body::{Body, chunks, load_varying, set_uniform},
     domain,
     effect::{Clock, Effect, Pass},
@@ -38,6 +38,8 @@ pub struct Settings {
     pub courant: f64,
     /// Nodes lighter than this fraction of the mean point mass are accelerated as if they had it.
     pub mass_floor: f64,
+    /// Whether the dilatation is smoothed over cells (B-bar).
+    pub smooth: bool,
 }
 
 /// The integrator for shapes with `N` nodes a point.
@@ -55,6 +57,8 @@ pub struct Explicit<S, const N: usize> {
     balance: Box<NodeBalance>,
     /// Empty in a scene without loads.
     point_forces: PointForces,
+    /// Where the dilatation is smoothed over cells (B-bar).
+    cells: Option<Box<CellMeans>>,
 }
 
 /// Which effects take part in which stage, found once.
@@ -104,6 +108,7 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
             runs_when_sorted: 0,
             balance: Box::default(),
             point_forces: PointForces::default(),
+            cells: settings.smooth.then(|| Box::new(CellMeans::new(&grid))),
         }
     }
 
@@ -116,8 +121,9 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
         self.push(body, clock.dt)?;
         self.lists.load.iter().for_each(|&e| self.effects[e].account_points(body, clock));
         self.strain_velocity(clock, work);
-        let Explicit { scratch, nodes, shape, path, .. } = self;
-        let plastic = path.run(Strain { scratch: scratch.as_mut(), body, nodes, dt: clock.dt, shape: *shape })?;
+        let Explicit { scratch, nodes, shape, path, cells, .. } = self;
+        let (scratch, cells) = (scratch.as_mut(), cells.as_deref_mut());
+        let plastic = path.run(Strain { scratch, body, nodes, cells, dt: clock.dt, shape: *shape })?;
         self.commit(body, plastic, floor, work);
         self.keep_sorted(body, runs, work);
         Ok(())
@@ -136,8 +142,9 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
 
     fn scatter(&mut self, body: &Body) -> u64 {
         self.nodes.begin();
-        let Explicit { scratch, nodes, shape, path, .. } = self;
-        path.run(Scatter { scratch: scratch.as_mut(), body, nodes, shape: *shape });
+        let Explicit { scratch, nodes, shape, path, cells, .. } = self;
+        let (scratch, cells) = (scratch.as_mut(), cells.as_deref_mut());
+        path.run(Scatter { scratch, body, nodes, cells, shape: *shape });
         self.scratch.runs.len() as u64
     }
 
@@ -346,7 +353,10 @@ impl<S: Shape<N>, const N: usize> Integrator for Explicit<S, N> {
 
     fn bytes(&self) -> usize {
         let loads: usize = self.point_forces.iter().map(|f| 8 * f.capacity()).sum();
-        4 * self.nodes.grid.nodes() + 13 * 8 * self.nodes.id.capacity() + loads
+        4 * self.nodes.grid.nodes()
+            + 13 * 8 * self.nodes.id.capacity()
+            + loads
+            + self.cells.as_ref().map_or(0, |c| c.bytes())
     }
 }
 

@@ -71,13 +71,13 @@ pub(super) fn strain(
     let (body, path) = (&mut run.sim.body, FpPath::best());
     let mut nodes = Nodes::new(run.grid);
     let mut scratch = Box::<Scratch<4>>::default();
-    path.run(Scatter { scratch: &mut scratch, body, nodes: &mut nodes, shape: Linear });
+    path.run(Scatter { scratch: &mut scratch, body, nodes: &mut nodes, cells: None, shape: Linear });
     for s in 0..nodes.count {
         let v = velocity(run.grid.node_position(nodes.id[s]));
         nodes.strain_velocity[0][s] = v.x;
         nodes.strain_velocity[1][s] = v.y;
     }
-    let kernel = Strain { scratch: &mut scratch, body, nodes: &nodes, dt, shape: Linear };
+    let kernel = Strain { scratch: &mut scratch, body, nodes: &nodes, cells: None, dt, shape: Linear };
     path.run(kernel).map_err(|fault| fault.to_string())?;
     body.trial.x.clone_from(&body.committed.x);
     body.trial.v.clone_from(&body.committed.v);
