@@ -12,9 +12,9 @@
 mod common;
 mod scalar;
 
-use std::process::{Command, ExitCode};
+use std::process::ExitCode;
 
-use common::{SLOPE, advance, simulation};
+use common::{SLOPE, advance, count, simulation};
 use rmpm::{
     assembly::{Scatter, Scratch, Strain},
     body::Body,
@@ -177,13 +177,12 @@ fn roll(nodes: &mut Nodes, columns: impl Fn(&mut Nodes) -> &mut [Vec<f64>; 2]) {
 }
 
 fn compare() -> ExitCode {
-    if Command::new("valgrind").arg("--version").output().is_err() {
-        println!("\n*** SKIPPED: valgrind is not installed; no instructions were counted. ***\n");
+    if !count::possible() {
         return ExitCode::SUCCESS;
     }
     let points = simulation(SLOPE, &BARE).body.len() as f64;
     let per_point = |name: &str| -> f64 {
-        let (short, long) = (instructions(name, STEPS), instructions(name, 2 * STEPS));
+        let [short, long] = [STEPS, 2 * STEPS].map(|n| count::events(&["--count", name, &n.to_string()], &[])[0]);
         (long - short) / (STEPS as f64 * points)
     };
     println!("instructions per particle-step, {points} points, path {:?}", FpPath::best());
@@ -213,19 +212,4 @@ fn compare() -> ExitCode {
         100.0 * ALLOWED
     );
     if excess <= ALLOWED && !moved { ExitCode::SUCCESS } else { ExitCode::FAILURE }
-}
-
-/// Instructions of this program doing `steps` steps, set-up and all.
-fn instructions(name: &str, steps: usize) -> f64 {
-    let program = std::env::current_exe().expect("this program has a path");
-    let output = Command::new("valgrind")
-        .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
-        .arg(program)
-        .args(["--count", name, &steps.to_string()])
-        .output()
-        .expect("valgrind starts");
-    let text = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{name}: {text}");
-    let line = text.lines().find_map(|l| l.split_once("Collected :")).unwrap_or_else(|| panic!("no count in: {text}"));
-    line.1.trim().parse().unwrap_or_else(|e| panic!("{e} in {text}"))
 }

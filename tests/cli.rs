@@ -486,6 +486,24 @@ fn explain_lists_every_effect_with_its_reason() {
     assert!(line("local_damping").contains("damping.local = 0"));
 }
 
+/// Every case of the repository: each effect has its reason, an absent one costs nothing, and the ways taken are told.
+#[test]
+fn every_case_is_explained() {
+    let files = std::fs::read_dir("cases").expect("the cases").filter_map(|f| Some(f.ok()?.path()));
+    let cases: Vec<_> = files.filter(|f| f.extension().is_some_and(|e| e == "toml")).collect();
+    assert!(cases.len() >= 6);
+    for case in cases {
+        let (stdout, _) = ends(rmpm(&["explain", &case.to_string_lossy()]), 0);
+        let rows: Vec<Vec<&str>> =
+            stdout.lines().skip(1).take_while(|l| !l.is_empty()).map(|l| l.split_whitespace().collect()).collect();
+        assert!(rows.len() >= 17, "{stdout}");
+        for row in rows {
+            assert!(row.len() > 3 && (row[1] == "yes" || (row[1] == "no" && row[2] == "-")), "{row:?}");
+        }
+        assert!(stdout.contains("\n- "), "{stdout}");
+    }
+}
+
 #[test]
 fn completions_are_printed() {
     let (stdout, _) = ends(rmpm(&["completions", "bash"]), 0);

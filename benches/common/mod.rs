@@ -3,6 +3,8 @@
 // Each bench uses its own part.
 #![allow(dead_code)]
 
+pub mod count;
+
 use std::time::Instant;
 
 use rmpm::{case, scene, sim::Simulation};

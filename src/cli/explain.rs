@@ -12,5 +12,6 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let (case, _) = args.case.read()?;
     let scene = args.case.build(&case)?;
-    print(&scene::explain(&scene))
+    let paths: String = scene::paths(&case).iter().map(|path| format!("- {path}\n")).collect();
+    print(&format!("{}\n{paths}", scene::explain(&scene)))
 }

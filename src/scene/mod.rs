@@ -4,11 +4,13 @@ mod effects;
 pub mod fields;
 mod materials;
 mod notes;
+mod paths;
 mod schemes;
 mod warnings;
 
 pub use fields::{FieldNote, Fields};
 pub use notes::{EffectNote, explain};
+pub use paths::paths;
 pub use warnings::Warning;
 
 use std::fmt;
