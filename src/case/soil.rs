@@ -52,6 +52,22 @@ pub struct Strength {
     /// k in q <= k c. sqrt(3): then c is the plane-strain shear strength.
     pub yield_constant: f64,
     pub strength_measure: StrengthMeasure,
+    #[serde(flatten)]
+    pub regularisation: Regularisation,
+}
+
+/// What gives softening a length. The tag is the key `regularisation`; the default is `none`, as the paper has
+/// none.
+///
+/// `reference_length` (m) is the width of the shear band for which `softening_modulus` was given. It has no
+/// default: no width belongs to every soil.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "regularisation", rename_all = "snake_case")]
+pub enum Regularisation {
+    /// H as it stands: bands are a cell wide and what they dissipate goes with `grid.cell`.
+    None,
+    /// H is scaled by the width of a band of the grid over `reference_length`.
+    FractureEnergy { reference_length: f64 },
 }
 
 /// The stress that the strength is compared with.

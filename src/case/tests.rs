@@ -276,6 +276,27 @@ fn unsound_soils_are_refused() {
 }
 
 #[test]
+fn a_regularisation_needs_a_length_and_takes_it_along() {
+    let found = |keys: &[&str]| {
+        with(keys).map(|c| match c.material["clay"] {
+            Material::VonMises { strength, .. } => strength.regularisation,
+            Material::Elastic { .. } => panic!("clay has a strength"),
+        })
+    };
+    let (energy, length) = ("material.clay.regularisation=fracture_energy", "material.clay.reference_length=0.25");
+    assert_eq!(found(&[]), Ok(Regularisation::None));
+    assert_eq!(found(&[energy, length]), Ok(Regularisation::FractureEnergy { reference_length: 0.25 }));
+    assert!(found(&[energy]).expect_err("no length").contains("the width of the shear band"));
+    assert!(found(&[length]).expect_err("no use").contains("has no meaning with regularisation = \"none\""));
+    // of the file it lapses where an override chooses
+    let keys = "regularisation = \"fracture_energy\"\nreference_length = 0.25\n";
+    let text = SMALL.replace("cohesion = 20.0\n", &format!("cohesion = 20.0\n{keys}"));
+    let (case, _) = read("case.toml", &text, &[]).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(read("again", &case.to_toml(), &[]).unwrap_or_else(|e| panic!("{e}")).0, case);
+    assert!(read("case.toml", &text, &["material.clay.regularisation=none".to_owned()]).is_ok());
+}
+
+#[test]
 fn memory_grows_with_points_and_grid() {
     let small = with(&[]).expect("valid").memory_estimate_bytes();
     let points = (1.1 * 10.0 / 0.25 * 4.0 * 700.0) as u64;

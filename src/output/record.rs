@@ -154,12 +154,12 @@ fn about(case: &Case, outcome: &Outcome) -> Vec<Warning> {
     if case
         .material
         .values()
-        .any(|m| matches!(m, case::Material::VonMises { strength, .. } if strength.softening_modulus < 0.0))
+        .any(|m| matches!(m, case::Material::VonMises { strength: s, .. } if s.softening_modulus < 0.0 && s.regularisation == case::Regularisation::None))
     {
         w.push(Warning::new(
             "mesh_dependent_softening",
             "material",
-            "linear softening has no length scale: shear bands are one cell wide and r depends on grid.cell; compare meshes with `rmpm converge`".into(),
+            "linear softening has no length scale: shear bands are one cell wide and r depends on grid.cell; compare meshes with `rmpm converge`, or give the soil a `regularisation`".into(),
         ));
     }
     if m.blocks.is_some_and(|b| b > 0) {

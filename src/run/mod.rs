@@ -17,7 +17,7 @@ use crate::{
     case::{self, Case},
     fault::Fault,
     measure::summary::{Measures, measures},
-    scene::Scene,
+    scene::{Scene, softening},
     sim::{Energies, Simulation},
     snapshot::Snapshot,
 };
@@ -278,12 +278,7 @@ fn next_due(time: f64, interval: f64) -> f64 {
 
 /// Plastic strain at which the last softening material is residual; `None` if none softens.
 pub fn residual_strain(case: &Case) -> Option<f64> {
-    let strains = case.material.values().filter_map(|m| match m {
-        case::Material::VonMises { strength: s, .. } if s.softening_modulus < 0.0 => {
-            Some((s.residual_cohesion - s.cohesion) / s.softening_modulus)
-        }
-        _ => None,
-    });
+    let strains = case.material.values().filter_map(|m| softening::residual_strain(case, m));
     strains.reduce(f64::max)
 }
 

@@ -1,6 +1,6 @@
 //! Laws, their parameters, and the stress at the start.
 
-use super::{SceneError, refuse};
+use super::{SceneError, softening};
 use crate::{
     block::{Law, PointLaw},
     body::Column,
@@ -51,9 +51,9 @@ pub fn columns(case: &Case, points: &[case::Material], first: usize) -> Result<V
         Some(case::Material::Elastic { .. }) => Ok(gather(points.iter().map(|m| elasticity(m.elastic())))),
         Some(case::Material::VonMises { .. }) => {
             let factors = jitter(case, first, points.len());
-            let params: Vec<Strength> = points.iter().zip(factors).filter_map(|(m, f)| strength(m, f)).collect();
-            params.iter().try_for_each(check_softening)?;
-            Ok(gather(params.into_iter()))
+            let points = points.iter().zip(factors);
+            let params: Result<Vec<_>, _> = points.filter_map(|(m, f)| strength(case, m, f)).collect();
+            Ok(gather(params?.into_iter()))
         }
     }
 }
@@ -62,31 +62,16 @@ fn elasticity(e: &case::Elastic) -> Elasticity {
     Elasticity::from_young(e.young_modulus, e.poisson_ratio)
 }
 
-fn strength(material: &case::Material, factor: f64) -> Option<Strength> {
+fn strength(case: &Case, material: &case::Material, factor: f64) -> Option<Result<Strength, SceneError>> {
     let case::Material::VonMises { elastic, strength: s } = material else { return None };
-    Some(Strength {
+    let params = Strength {
         elasticity: elasticity(elastic),
         cohesion: factor * s.cohesion,
         residual_cohesion: factor * s.residual_cohesion,
-        softening_modulus: s.softening_modulus,
+        softening_modulus: softening::factor(case, s) * s.softening_modulus,
         yield_constant: s.yield_constant,
-    })
-}
-
-/// The return to the yield surface exists while 3G + k f H > 0, f being the factor on the strength; half as
-/// much again as the initial volume is allowed for. The case is checked for its means, a field's values here.
-fn check_softening(p: &Strength) -> Result<(), SceneError> {
-    let least = -3.0 * p.elasticity.shear_modulus / (1.5 * p.yield_constant);
-    if p.softening_modulus > least {
-        return Ok(());
-    }
-    let (h, g) = (p.softening_modulus, p.elasticity.shear_modulus);
-    Err(refuse(
-        "field",
-        format!(
-            "a point has softening_modulus = {h:.4} kPa with a shear modulus of {g:.4} kPa: the strength would drop faster than the stress; lower the variation of the fields"
-        ),
-    ))
+    };
+    Some(softening::check(case, s, &params).map(|()| params))
 }
 
 /// One column a parameter; uniform where all points have the same value.

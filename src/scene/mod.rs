@@ -6,6 +6,7 @@ mod materials;
 mod notes;
 mod paths;
 mod schemes;
+pub mod softening;
 mod warnings;
 
 pub use fields::{FieldNote, Fields};

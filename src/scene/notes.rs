@@ -5,10 +5,11 @@ use serde::Serialize;
 use super::{
     Scene,
     effects::{has_ghost, has_local_damping, sides},
+    softening,
 };
 use crate::{
     body::Column,
-    case::{self, Case, GravitySchedule},
+    case::{self, Case, GravitySchedule, Regularisation},
     sim::Simulation,
 };
 
@@ -33,6 +34,7 @@ pub fn list(case: &Case, simulation: &Simulation) -> Vec<EffectNote> {
         finite_strain(case),
         plasticity(case),
         softening(case),
+        regularisation(case),
         gravity(case, node),
         load(case),
         support(case),
@@ -132,6 +134,26 @@ fn softening(case: &Case) -> EffectNote {
             note("softening", true, format!("material.{name}.softening_modulus = {}", s.softening_modulus), 0.0)
         }
         None => note("softening", false, "no material softens".into(), 0.0),
+    }
+}
+
+fn regularisation(case: &Case) -> EffectNote {
+    let soft = strong(case).into_iter().filter(|(_, s)| s.softening_modulus != 0.0);
+    let regular = soft.clone().find(|(_, s)| s.regularisation != Regularisation::None);
+    let Some((name, s)) = regular else {
+        let why = if soft.count() == 0 { "no material softens" } else { "no material has a `regularisation`" };
+        return note("regularisation", false, why.into(), 0.0);
+    };
+    match s.regularisation {
+        Regularisation::FractureEnergy { reference_length: l } => {
+            let modulus = softening::factor(case, s) * s.softening_modulus;
+            let why = format!(
+                "material.{name}.regularisation = \"fracture_energy\": H = {modulus:.4} kPa for cells of {} m and reference_length = {l} m",
+                case.grid.cell
+            );
+            note("regularisation", true, why, 0.0)
+        }
+        Regularisation::None => note("regularisation", false, String::new(), 0.0),
     }
 }
 

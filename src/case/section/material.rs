@@ -1,5 +1,7 @@
 //! `[material.NAME]`.
 
+mod regularisation;
+
 use std::collections::BTreeMap;
 
 use crate::case::check::Materials;
@@ -8,13 +10,21 @@ use crate::case::keys::{Keys, Variant};
 use crate::case::limits::{Limits, between, figure, positive, rounded, signed};
 use crate::case::log::Problem;
 use crate::case::source::Span;
-use crate::case::{Elastic, Material, Strength, StrengthMeasure};
+use crate::case::{Elastic, Material, Regularisation, Strength, StrengthMeasure};
 
 const LAWS: &[Variant] = &[
     Variant { word: "elastic", keys: &[] },
     Variant {
         word: "von_mises",
-        keys: &["cohesion", "residual_cohesion", "softening_modulus", "yield_constant", "strength_measure"],
+        keys: &[
+            "cohesion",
+            "residual_cohesion",
+            "softening_modulus",
+            "yield_constant",
+            "strength_measure",
+            "regularisation",
+            "reference_length",
+        ],
     },
 ];
 
@@ -78,12 +88,14 @@ fn strength(keys: &mut Keys<'_>) -> Option<Strength> {
     let constant = between(1e-3, 1e3, "");
     let yield_constant = keys.or("yield_constant", 3f64.sqrt(), |c| c.formula(constant));
     let strength_measure = keys.or("strength_measure", StrengthMeasure::Cauchy, measure);
+    let regularisation = regularisation::read(keys);
     Some(Strength {
         cohesion: cohesion?,
         residual_cohesion: residual?.or(cohesion)?,
         softening_modulus: softening_modulus?,
         yield_constant: yield_constant?,
         strength_measure: strength_measure?,
+        regularisation: regularisation?,
     })
 }
 
@@ -132,7 +144,9 @@ fn check_residual(cursor: &Cursor<'_>, at: &Places, s: &Strength) {
 fn check_softening(cursor: &Cursor<'_>, at: &Places, e: &Elastic, s: &Strength) {
     let shear_modulus = e.young_modulus / (2.0 * (1.0 + e.poisson_ratio));
     let least = -3.0 * shear_modulus / (1.5 * s.yield_constant);
-    if s.softening_modulus > least {
+    let scaled = matches!(s.regularisation, Regularisation::FractureEnergy { .. });
+    // what is scaled with the cells is judged where these are known, in `scene`
+    if s.softening_modulus > least || scaled {
         return;
     }
     let path = format!("{}.softening_modulus", cursor.path);
