@@ -14,6 +14,7 @@ mod not_modelled;
 mod outline;
 mod overrides;
 mod parse;
+mod probe;
 mod random;
 mod scheme;
 mod section;
@@ -29,6 +30,7 @@ mod tree;
 mod types;
 
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
+pub use probe::{Probe, ProbeQuantity};
 pub use random::{
     CorrelationFamily, Ensemble, Field, FieldGenerator, LowValues, Marginal, Parameter, Statistic, Until,
 };

@@ -155,7 +155,7 @@ fn no_item(above: &Part, wanted: &Part, names: &[String]) -> Problem {
     Problem::new(message, label).help_if(help)
 }
 
-/// The name of a region, a load or a drive: its key `name`, or its number.
+/// The name of a region, a load, a drive or a probe: its key `name`, or its number.
 fn item_name(list: &str, item: &Node, index: usize) -> String {
     let Value::Table(table) = &item.value else { return String::new() };
     match table.get("name").map(|entry| &entry.node.value) {

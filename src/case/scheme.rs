@@ -58,6 +58,19 @@ pub enum ShapeFunctions {
     GimpWide,
 }
 
+impl ShapeFunctions {
+    pub const ALL: [ShapeFunctions; 3] = [ShapeFunctions::Linear, ShapeFunctions::Gimp, ShapeFunctions::GimpWide];
+
+    /// The word of the case file.
+    pub fn word(self) -> &'static str {
+        match self {
+            ShapeFunctions::Linear => "linear",
+            ShapeFunctions::Gimp => "gimp",
+            ShapeFunctions::GimpWide => "gimp_wide",
+        }
+    }
+}
+
 /// Keys of the explicit scheme.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Explicit {

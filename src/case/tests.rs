@@ -145,6 +145,23 @@ fn loads_and_drives_go_by_name_or_number() {
 }
 
 #[test]
+fn probes_lie_in_the_soil_and_go_by_name() {
+    let text = format!("{SMALL}[[probe]]\nname = \"crest\"\nat = [4, 2]\nquantity = \"displacement_x\"\n");
+    let sets = ["probe.crest.exact=0.5", "probe.crest.source='by hand'"].map(str::to_owned);
+    let (case, _) = read("case.toml", &text, &sets).unwrap_or_else(|e| panic!("{e}"));
+    let quantity = ProbeQuantity::DisplacementX;
+    let probe =
+        Probe { name: "crest".into(), at: [4.0, 2.0], quantity, exact: Some(0.5), source: Some("by hand".into()) };
+    assert_eq!(case.probe, [probe]);
+    let (again, _) = read("again", &case.to_toml(), &[]).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(case, again);
+    for quantity in ProbeQuantity::ALL {
+        let set = [format!("probe.0.quantity={}", quantity.word())];
+        assert_eq!(read("case.toml", &text, &set).map(|(case, _)| case.probe[0].quantity).ok(), Some(quantity));
+    }
+}
+
+#[test]
 fn loading_ends_when_nothing_grows_or_moves_any_more() {
     let end = |sets: &[&str]| with(sets).expect("valid").loading_end();
     let load = "load=[{box=[[0, 0], [1, 1]], force=[0, -1], ramp_time=7}]";

@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::{
+    probe::Probe,
     random::{Ensemble, Field},
     scheme::{Explicit, Implicit, Solver},
     soil::Material,
@@ -48,6 +49,9 @@ pub struct Case {
     /// Prescribed motions in the order of the file.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub drive: Vec<Drive>,
+    /// Places that are looked at when the run is over, in the order of the file.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub probe: Vec<Probe>,
     /// Which realisation is run, and how many make an ensemble.
     pub ensemble: Ensemble,
     /// Random fields by name.

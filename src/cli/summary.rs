@@ -13,6 +13,7 @@ pub fn text(record: &Record, timing: &Timing, out: &str) -> String {
     let _ = header(&mut s, record);
     let _ = safety(&mut s, record);
     let _ = slide(&mut s, record);
+    let _ = probes(&mut s, record);
     let _ = balances(&mut s, record);
     let _ = cost(&mut s, record, timing);
     let _ = solution(&mut s, record);
@@ -78,6 +79,16 @@ fn initial_failure(s: &mut String, m: &Measures) -> std::fmt::Result {
             "              {} m at {:.2} s: r = {:.2} m, volume {:.1} m3/m (split at {:.2} m); by half of the largest {:.2} m, {:.1} m3/m",
             f.level_m, f.time_s, c.sliding_distance_m, c.volume_m3_per_m, c.split_m, t.sliding_distance_m, t.volume_m3_per_m
         )
+    })
+}
+
+fn probes(s: &mut String, r: &Record) -> std::fmt::Result {
+    r.measures.probes.iter().try_for_each(|p| {
+        let value = p.value.map_or("no value".to_owned(), |v| format!("{v:.6} {}", p.quantity.unit()));
+        let error = p.exact.zip(p.error).map(|(exact, error)| format!("; exact {exact:.6}, error {error:.2e}"));
+        let near = if p.points == 1 { " (that of the nearest point)" } else { "" };
+        let (name, quantity) = (&p.name, p.quantity.word());
+        writeln!(s, "  probe       {name}: {quantity} = {}{near}{}", value.trim_end(), error.unwrap_or_default())
     })
 }
 

@@ -2,11 +2,13 @@
 
 pub mod blocks;
 pub mod onset;
+pub mod probe;
 pub mod slide;
 pub mod split;
 pub mod summary;
 
 pub use blocks::{Plateau, plateaus};
 pub use onset::InitialFailure;
+pub use probe::Reading;
 pub use slide::SlideProbe;
 pub use summary::Measures;

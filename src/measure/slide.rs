@@ -73,6 +73,11 @@ pub fn runout(s: &Snapshot, threshold: f64) -> f64 {
     if runout > 0.0 { runout } else { 0.0 }
 }
 
+/// Largest displacement of a point (m).
+pub fn max_displacement(s: &Snapshot) -> f64 {
+    (0..s.len()).map(|i| s.displacement(i)).map(|u| u[0].hypot(u[1])).max_by(f64::total_cmp).unwrap_or(0.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -7,7 +7,8 @@ use serde::Serialize;
 use super::{
     blocks::{Plateau, plateaus},
     onset::InitialFailure,
-    slide::{SlideProbe, runout, slide_volume},
+    probe::Reading,
+    slide::{SlideProbe, max_displacement, runout, slide_volume},
 };
 use crate::{case, sim::Energies, snapshot::Snapshot};
 
@@ -32,11 +33,16 @@ pub struct Measures {
     pub plateaus: Vec<Plateau>,
     pub slide_volume_m3_per_m: Option<f64>,
     pub runout_m: f64,
+    /// Largest displacement of a point.
+    pub max_displacement_m: f64,
     pub energy_kj_per_m: Energies,
     /// Relative change of total mass.
     pub mass_error: f64,
     /// Momentum against the impulses on the body, over weight x time, by axis.
     pub momentum_error: [f64; 2],
+    /// What the probes of the case read, in its order.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub probes: Vec<Reading>,
     /// Points in each stage of the law: elastic, unloading, softening, residual.
     pub stage_points: [u64; 4],
 }
@@ -61,7 +67,12 @@ pub struct Slid<'a> {
 /// the weakest-softening material is residual, where one softens.
 pub fn measures(s: &Snapshot, energies: Energies, slide: Option<&Slid<'_>>, residual_strain: Option<f64>) -> Measures {
     let threshold = slide.map_or(0.0, |slid| slid.keys.threshold);
-    let mut m = Measures { runout_m: runout(s, threshold), energy_kj_per_m: energies, ..Measures::default() };
+    let mut m = Measures {
+        runout_m: runout(s, threshold),
+        max_displacement_m: max_displacement(s),
+        energy_kj_per_m: energies,
+        ..Measures::default()
+    };
     for stage in &s.stage {
         m.stage_points[*stage as usize] += 1;
     }

@@ -16,7 +16,10 @@ use slide::SlideWatch;
 use crate::{
     case::{self, Case},
     fault::Fault,
-    measure::summary::{Measures, measures},
+    measure::{
+        probe::Reading,
+        summary::{Measures, measures},
+    },
     scene::{Scene, softening},
     sim::{Energies, Simulation},
     snapshot::Snapshot,
@@ -262,6 +265,7 @@ impl<'a> Loop<'a> {
         if let Some(slide) = &self.slide {
             slide.add_onset(&mut m, &snapshot);
         }
+        m.probes = self.case.probe.iter().map(|probe| Reading::of(probe, &snapshot)).collect();
         m.mass_error = sim.mass_error();
         m.momentum_error = sim.momentum_error();
         let steps = sim.work.steps;

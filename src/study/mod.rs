@@ -6,6 +6,7 @@ pub mod compare;
 pub mod converge;
 pub mod ensemble;
 pub mod fields;
+pub mod quantity;
 pub mod strength_reduction;
 pub mod validate;
 pub mod variant;

@@ -11,7 +11,7 @@ use crate::case::outline::place;
 use crate::case::tree::Value;
 use crate::case::{Drive, Load};
 
-/// Most loads, and most drives, of a case.
+/// Most items of a list of a case.
 const MOST: usize = 1000;
 
 /// Reads all loads.
@@ -24,10 +24,11 @@ pub(super) fn drives(root: &mut Keys<'_>) -> Option<Vec<Drive>> {
     items(root, "drive", drive, |drive| &drive.name)
 }
 
-fn items<T>(
+/// Reads a list of named tables; none is an empty one.
+pub(super) fn items<T>(
     root: &mut Keys<'_>,
     list: &'static str,
-    read: fn(usize, Keys<'_>) -> Option<T>,
+    read: impl Fn(usize, Keys<'_>) -> Option<T>,
     name: fn(&T) -> &str,
 ) -> Option<Vec<T>> {
     root.or(list, Vec::new(), |c| {
@@ -94,7 +95,8 @@ fn no_velocity(keys: &Keys<'_>) -> Option<()> {
     keys.header_error("velocity_x", problem.help("an axis left out is free; 0 holds the nodes"))
 }
 
-fn name(keys: &mut Keys<'_>, list: &str, index: usize) -> Option<String> {
+/// The name of an item, by default its place in the list.
+pub(super) fn name(keys: &mut Keys<'_>, list: &str, index: usize) -> Option<String> {
     keys.or("name", default_name(list, index), |c| c.text().map(str::to_owned))
 }
 

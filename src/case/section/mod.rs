@@ -8,6 +8,7 @@ mod grid;
 mod implicit;
 mod load;
 mod material;
+mod probe;
 mod region;
 mod run;
 mod slide;
@@ -57,6 +58,7 @@ fn tables(log: &Log, keys: &mut Keys<'_>) -> Option<Case> {
     let ensemble = ensemble::ensemble(keys);
     let outlines = regions.as_deref().and_then(region::outlines);
     let field = field::fields(keys, materials.as_ref(), regions.as_deref());
+    let probe = probe::probes(keys, outlines.as_deref());
     let slide = slide::slide(keys, outlines.as_deref());
     let strength_reduction = strength_reduction::strength_reduction(keys, materials.as_ref());
     check::regions(log, grid.as_ref(), materials.as_ref(), regions.as_deref());
@@ -82,6 +84,7 @@ fn tables(log: &Log, keys: &mut Keys<'_>) -> Option<Case> {
         region: regions?.into_iter().map(|region| region.value).collect::<Option<_>>()?,
         load: load?,
         drive: drive?,
+        probe: probe?,
         ensemble: ensemble?,
         field: field?,
     };

@@ -18,11 +18,8 @@ pub(super) fn solver(root: &mut Keys<'_>) -> Option<Solver> {
 }
 
 fn shape(cursor: &Cursor<'_>) -> Option<ShapeFunctions> {
-    match cursor.word(&["linear", "gimp", "gimp_wide"])? {
-        "gimp" => Some(ShapeFunctions::Gimp),
-        "gimp_wide" => Some(ShapeFunctions::GimpWide),
-        _ => Some(ShapeFunctions::Linear),
-    }
+    let word = cursor.word(&ShapeFunctions::ALL.map(ShapeFunctions::word))?;
+    ShapeFunctions::ALL.into_iter().find(|shape| shape.word() == word)
 }
 
 fn scheme(cursor: &Cursor<'_>) -> Option<Scheme> {
