@@ -117,6 +117,8 @@ fn only_shapes_with_domains_store_the_deformation() {
     // four columns in the committed and four in the trial state
     assert_eq!(gimp.body.bytes_per_point() - linear.body.bytes_per_point(), 64.0);
     assert_eq!(linear.work.domain_clamps, 0);
+    let spline = simulation(SLOPE, &["grid.cell=0.5", "solver.shape=bspline"]);
+    assert_eq!(spline.body.bytes_per_point(), linear.body.bytes_per_point());
 }
 
 #[test]

@@ -56,11 +56,11 @@ fn slope_keeps_mass_momentum_and_energy() {
     assert!(share.abs() < 0.05, "{share}");
 }
 
-/// With domains there are nodes without mass: they take nothing and give nothing, and the balances
+/// With domains and splines there are nodes without mass: they take nothing and give nothing, and the balances
 /// are those of the bilinear functions.
 #[test]
-fn domains_keep_mass_momentum_and_energy() {
-    for shape in ["solver.shape=gimp", "solver.shape=gimp_wide"] {
+fn wider_shapes_keep_mass_momentum_and_energy() {
+    for shape in ["solver.shape=gimp", "solver.shape=gimp_wide", "solver.shape=bspline"] {
         let share = numerical_share(&["grid.cell=0.5", shape], 12.0);
         assert!(share.abs() < 0.05, "{shape}: {share}");
     }

@@ -6,7 +6,7 @@ mod support;
 use rmpm::{
     body::Body,
     effect::{Clock, Effect, Friction, Gravity, LocalDamping, Schedule, Support, ViscousDamping},
-    space::{Gimp, GimpWide, Grid, Linear, Shape, grid::Side},
+    space::{BSpline, Gimp, GimpWide, Grid, Linear, Shape, grid::Side},
     step::{
         Integrator,
         explicit::{Explicit, Settings, StressUpdate},
@@ -37,6 +37,7 @@ fn integrator(grid: Grid, stress_update: StressUpdate, shape: &str) -> Box<dyn I
     match shape {
         "gimp" => explicit(Gimp, grid, stress_update),
         "gimp_wide" => explicit(GimpWide, grid, stress_update),
+        "bspline" => explicit(BSpline, grid, stress_update),
         _ => explicit(Linear, grid, stress_update),
     }
 }
@@ -47,8 +48,8 @@ fn explicit<S: Shape<N>, const N: usize>(shape: S, grid: Grid, stress_update: St
 }
 
 /// Pairs of kinematics and shape functions.
-const CHOICES: [(&str, &str); 4] =
-    [("hencky", "linear"), ("rate", "linear"), ("hencky", "gimp"), ("rate", "gimp_wide")];
+const CHOICES: [(&str, &str); 5] =
+    [("hencky", "linear"), ("rate", "linear"), ("hencky", "gimp"), ("rate", "gimp_wide"), ("hencky", "bspline")];
 
 fn advance(integrator: &mut dyn Integrator, body: &mut Body, from: usize, steps: usize, work: &mut Work) {
     for k in from..from + steps {
@@ -92,7 +93,7 @@ fn a_refused_step_leaves_no_trace() {
 /// The impulses that the effects book are what changed the momentum, to rounding of the sums.
 #[test]
 fn booked_impulses_are_the_change_of_momentum() {
-    for shape in ["linear", "gimp", "gimp_wide"] {
+    for shape in ["linear", "gimp", "gimp_wide", "bspline"] {
         for update in [StressUpdate::Musl, StressUpdate::Usl] {
             let (mut body, grid) = body("hencky", shape);
             let mut integrator = integrator(grid, update, shape);

@@ -116,7 +116,7 @@ fn bar(keys: &[&str]) -> (f64, f64) {
 /// those of the validation.
 #[test]
 fn a_bar_swings_as_with_bilinear_functions() {
-    for (shape, rows) in [("linear", 3), ("gimp", 2), ("gimp_wide", 3)] {
+    for (shape, rows) in [("linear", 3), ("gimp", 2), ("gimp_wide", 3), ("bspline", 2)] {
         for update in ["musl", "usl"] {
             let keys = [
                 &format!("solver.shape={shape}"),
@@ -137,7 +137,7 @@ fn a_bar_swings_as_with_bilinear_functions() {
 /// into the contact, which the grid closes a cell or two too early; measured in the table printed.
 #[test]
 fn discs_rebound() {
-    for shape in ["linear", "gimp", "gimp_wide"] {
+    for shape in ["linear", "gimp", "gimp_wide", "bspline"] {
         for update in ["musl", "usl"] {
             let keys = [&format!("solver.shape={shape}"), &format!("explicit.stress_update={update}")];
             let mut sim = simulation(DISCS, &keys.map(String::as_str));

@@ -197,7 +197,7 @@ impl Case {
         match (self.solver.scheme, self.solver.shape) {
             (Scheme::Explicit, _) => 0.0,
             (Scheme::Implicit, ShapeFunctions::Linear) => 20e3,
-            (Scheme::Implicit, ShapeFunctions::Gimp) => 50e3,
+            (Scheme::Implicit, ShapeFunctions::Gimp | ShapeFunctions::Bspline) => 50e3,
             (Scheme::Implicit, ShapeFunctions::GimpWide) => 100e3,
         }
     }

@@ -11,6 +11,7 @@ pub struct Solver {
     pub kinematics: Kinematics,
     /// Cure for volumetric locking. Default `none`: plain bilinear cells, as in the paper.
     pub locking: Locking,
+    /// Shape functions. Default `linear`: those of the paper, and the cheapest.
     pub shape: ShapeFunctions,
 }
 
@@ -56,10 +57,14 @@ pub enum ShapeFunctions {
     Gimp,
     /// Uniform GIMP on 4 x 4 nodes: domains up to two cells long.
     GimpWide,
+    /// Quadratic B-splines on 3 x 3 nodes: as GIMP with domains that stay a cell long.
+    Bspline,
 }
 
 impl ShapeFunctions {
-    pub const ALL: [ShapeFunctions; 3] = [ShapeFunctions::Linear, ShapeFunctions::Gimp, ShapeFunctions::GimpWide];
+    /// All of them.
+    pub const ALL: [ShapeFunctions; 4] =
+        [ShapeFunctions::Linear, ShapeFunctions::Gimp, ShapeFunctions::GimpWide, ShapeFunctions::Bspline];
 
     /// The word of the case file.
     pub fn word(self) -> &'static str {
@@ -67,6 +72,7 @@ impl ShapeFunctions {
             ShapeFunctions::Linear => "linear",
             ShapeFunctions::Gimp => "gimp",
             ShapeFunctions::GimpWide => "gimp_wide",
+            ShapeFunctions::Bspline => "bspline",
         }
     }
 }

@@ -174,7 +174,9 @@ fn loading_ends_when_nothing_grows_or_moves_any_more() {
 #[test]
 fn shape_functions_come_back_from_the_resolved_text() {
     assert_eq!(with(&[]).expect("a valid case").solver.shape, ShapeFunctions::Linear);
-    for (word, shape) in [("gimp", ShapeFunctions::Gimp), ("gimp_wide", ShapeFunctions::GimpWide)] {
+    let shapes =
+        [("gimp", ShapeFunctions::Gimp), ("gimp_wide", ShapeFunctions::GimpWide), ("bspline", ShapeFunctions::Bspline)];
+    for (word, shape) in shapes {
         let case = with(&[&format!("solver.shape={word}")]).expect("a valid case");
         assert_eq!(case.solver.shape, shape);
         assert_eq!(read("case.toml", &case.to_toml(), &[]).map(|(c, _)| c).ok(), Some(case));

@@ -26,7 +26,7 @@ use crate::{
     math::outline::Outline,
     seed::{CutRule, Seed, Seeding, seed},
     sim::{InSitu, Simulation},
-    space::{Gimp, GimpWide, Grid, Linear, Shape, gauss},
+    space::{BSpline, Gimp, GimpWide, Grid, Linear, Shape, gauss},
     step::{Integrator, control::Control, explicit::Explicit, implicit::Implicit},
 };
 
@@ -199,6 +199,7 @@ fn integrator(case: &Case, grid: Grid, body: &mut Body) -> Result<(Box<dyn Integ
         case::ShapeFunctions::Linear => with_shape(case, Linear, grid, body),
         case::ShapeFunctions::Gimp => with_shape(case, Gimp, grid, body),
         case::ShapeFunctions::GimpWide => with_shape(case, GimpWide, grid, body),
+        case::ShapeFunctions::Bspline => with_shape(case, BSpline, grid, body),
     }
 }
 
@@ -236,6 +237,9 @@ fn prepare<S: Shape<N>, const N: usize>(grid: Grid, body: &mut Body) -> Result<(
     }
     if S::DOMAIN {
         body.track_domains();
+    }
+    // points are seeded in the order of the cells
+    if S::order(&grid) != grid {
         body.sort(&S::order(&grid));
     }
     Ok(())
@@ -323,7 +327,7 @@ mod tests {
     #[test]
     fn a_grid_too_narrow_for_a_patch_is_refused() {
         let bar = include_str!("../../validation/vibrating-bar/case.toml");
-        for (shape, least) in [("gimp", 2), ("gimp_wide", 3)] {
+        for (shape, least) in [("gimp", 2), ("gimp_wide", 3), ("bspline", 2)] {
             let build_on = |rows: u32| {
                 let keys = [format!("solver.shape={shape}"), format!("grid.size=[26, {rows}]")];
                 let (case, _) = case::read("bar", bar, &keys).expect("a valid case");

@@ -18,8 +18,7 @@
 //!   inside gives the velocity at the middle of that part: points then went through supports.)
 //! - Half-lengths below [`SHORTEST`] count as that, those above [`Shape::LONGEST`] as that.
 //! - A patch is as large as the longest domain needs, so a node may have weight 0. It then has
-//!   gradient 0 too, and the step must expect active nodes without mass: they take no force, and
-//!   `1 / m` is 0 there.
+//!   gradient 0 too ([`Shape::BARE_NODES`]).
 
 use super::{
     grid::Grid,
@@ -44,6 +43,7 @@ pub struct GimpWide;
 impl Shape<9> for Gimp {
     const NAME: &'static str = "gimp";
     const DOMAIN: bool = true;
+    const BARE_NODES: bool = true;
     const SPAN: u32 = 3;
     const LONGEST: f64 = 0.5;
 
@@ -61,13 +61,14 @@ impl Shape<9> for Gimp {
     /// Cells around the nodes.
     #[inline(always)]
     fn order(grid: &Grid) -> Grid {
-        Grid { origin: grid.origin.map(|o| o - 0.5 * grid.h), cells: grid.cells.map(|n| n + 1), ..*grid }
+        grid.around_nodes()
     }
 }
 
 impl Shape<16> for GimpWide {
     const NAME: &'static str = "gimp_wide";
     const DOMAIN: bool = true;
+    const BARE_NODES: bool = true;
     const SPAN: u32 = 4;
     const LONGEST: f64 = 1.0;
 

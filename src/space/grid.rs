@@ -74,6 +74,12 @@ impl Grid {
         (x[0] > self.origin[0]) & (x[0] < far[0]) & (x[1] > self.origin[1]) & (x[1] < far[1])
     }
 
+    /// The grid whose cells are the squares around the nodes of this one: the points of a cell of it have
+    /// the same nearest node.
+    pub fn around_nodes(&self) -> Grid {
+        Grid { origin: self.origin.map(|o| o - 0.5 * self.h), cells: self.cells.map(|n| n + 1), ..*self }
+    }
+
     /// Column and row of a node.
     pub fn node_place(&self, node: u32) -> [u32; 2] {
         [node % self.row(), node / self.row()]

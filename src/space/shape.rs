@@ -13,6 +13,10 @@ pub trait Shape<const N: usize>: Copy + Send + Sync + 'static {
     /// half-lengths are computed and the body keeps no deformation for them.
     const DOMAIN: bool;
 
+    /// Whether a patch may hold nodes of weight 0. These have gradient 0 too, and the step must expect
+    /// active nodes without mass: they take no force, and `1 / m` is 0 there.
+    const BARE_NODES: bool;
+
     /// Nodes of a patch along each axis. A grid needs a cell less than that, at least.
     const SPAN: u32;
 
@@ -60,6 +64,7 @@ fn split(g: f64, last: f64) -> (u32, f64) {
 impl Shape<4> for Linear {
     const NAME: &'static str = "linear";
     const DOMAIN: bool = false;
+    const BARE_NODES: bool = false;
     const SPAN: u32 = 2;
     const LONGEST: f64 = 0.0;
 
@@ -121,7 +126,7 @@ pub(crate) mod contract {
     }
 
     /// Points all over the grid, some close to its sides and to the edges of cells.
-    fn places(grid: &Grid, turn: usize) -> (Lane, Lane) {
+    pub fn places(grid: &Grid, turn: usize) -> (Lane, Lane) {
         let place = |i: usize, axis: usize, step: f64| {
             let (t, cells) = ((step * (1 + i + LANES * turn) as f64) % 1.0, f64::from(grid.cells[axis]));
             let g = match (i + turn) % 8 {
@@ -142,7 +147,7 @@ pub(crate) mod contract {
             let sum = |f: &dyn Fn(usize) -> f64| -> f64 { (0..N).map(f).sum() };
             assert!((sum(&|k| s.weight[k][i]) - 1.0).abs() < 1e-14);
             for k in 0..N {
-                assert!(s.weight[k][i] >= 0.0);
+                assert!(s.weight[k][i] > 0.0 || (S::BARE_NODES && s.weight[k][i] == 0.0));
                 assert!(s.weight[k][i] > 0.0 || (s.grad[0][k][i] == 0.0 && s.grad[1][k][i] == 0.0));
             }
             for (axis, at) in [x[i], y[i]].into_iter().enumerate() {

@@ -234,13 +234,13 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
 /// Steps between two counts of the domains that are longer than the shape takes.
 const CLAMPS_EVERY: u64 = 20;
 
-/// 1 / m on the active nodes. With domains there may be nodes of weight 0 to all points: they have
-/// no gradient and so no force either (see `space::gimp`), get 0 and stay at rest.
+/// 1 / m on the active nodes. Nodes of weight 0 to all points ([`Shape::BARE_NODES`]) have no gradient
+/// and so no force either, get 0 and stay at rest.
 #[inline(never)]
 fn invert_mass<S: Shape<N>, const N: usize>(nodes: &mut Nodes) {
     let n = nodes.count;
     for (inverse, m) in nodes.inverse_mass[..n].iter_mut().zip(&nodes.mass[..n]) {
-        *inverse = if S::DOMAIN && *m == 0.0 { 0.0 } else { 1.0 / m };
+        *inverse = if S::BARE_NODES && *m == 0.0 { 0.0 } else { 1.0 / m };
     }
 }
 
@@ -368,7 +368,7 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
         let NodeBalance { stiffness, squares, mass, .. } = self.balance.as_ref();
         let floor = self.settings.mass_floor * body.total_mass() / body.len().max(1) as f64;
         let kappa = |i: usize| match self.settings.stress_update {
-            _ if S::DOMAIN && mass[i] == 0.0 => 0.0,
+            _ if S::BARE_NODES && mass[i] == 0.0 => 0.0,
             StressUpdate::Musl => stiffness[i] * squares[i] / (mass[i] * mass[i]),
             StressUpdate::Usl => 2.0 * stiffness[i] / mass[i].max(floor),
         };
