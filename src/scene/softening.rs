@@ -19,7 +19,7 @@ use crate::{
 fn band_cells(shape: case::ShapeFunctions) -> f64 {
     match shape {
         case::ShapeFunctions::Linear => 1.0,
-        case::ShapeFunctions::Gimp | case::ShapeFunctions::GimpWide => 1.0,
+        case::ShapeFunctions::Gimp | case::ShapeFunctions::GimpWide | case::ShapeFunctions::Bspline => 1.0,
     }
 }
 
