@@ -5,6 +5,7 @@
 //! and the law sits behind one virtual call a block.
 
 pub mod cells;
+pub mod nonlocal;
 pub mod response;
 pub mod smooth;
 

@@ -11,7 +11,7 @@ use support::{SLOPE, advance, bits, simulation};
 /// (1). A support or a frictional side is called in both passes of MUSL (2), once under USL; a
 /// side that may open also surveys the points (1). A load is called for its forces and for its
 /// account (2), a drive as a support is.
-const CALLS: [(&[&str], u64); 14] = [
+const CALLS: [(&[&str], u64); 16] = [
     // gravity 2, roller on the left 2, friction with separation on the base 3
     (&[], 7),
     (&["gravity.schedule=none"], 5),
@@ -28,7 +28,12 @@ const CALLS: [(&[&str], u64); 14] = [
     (&["load=[{box=[[0, 4], [9, 5]], force=[0, -1]}]"], 9),
     (&["drive=[{box=[[0, 0], [1, 1]], velocity_x=0}]"], 9),
     (&["drive=[{box=[[0, 0], [1, 1]], velocity_x=0}]", "explicit.stress_update=usl"], 6),
+    // one average a step; a fracture energy is no call
+    (&NONLOCAL, 8),
+    (&["material.clay.regularisation=fracture_energy", "material.clay.reference_length=1"], 7),
 ];
+
+const NONLOCAL: [&str; 2] = ["material.clay.regularisation=nonlocal", "material.clay.reference_length=1"];
 
 #[test]
 fn effects_are_called_as_often_as_the_scene_says() {
@@ -107,6 +112,28 @@ fn only_plastic_soil_stores_plastic_strain() {
     assert_eq!(plastic.body.committed.history.len(), 1);
     // one column in the committed and one in the trial state
     assert_eq!(plastic.body.bytes_per_point() - elastic.body.bytes_per_point(), 16.0);
+}
+
+/// kappa in the committed and the trial state, and three columns over the grid's nodes.
+#[test]
+fn only_nonlocal_soil_stores_averages() {
+    let build = |keys: &[&str]| simulation(SLOPE, &[&["grid.cell=0.5"], keys].concat());
+    let (with, without) = (build(&NONLOCAL), build(&[]));
+    assert_eq!((with.body.committed.history.len(), without.body.committed.history.len()), (2, 1));
+    assert_eq!(with.body.bytes_per_point() - without.body.bytes_per_point(), 16.0);
+    assert_eq!(with.bytes() - without.bytes(), 16 * with.body.len() + 24 * 121 * 15);
+}
+
+/// On cells of the reference length a fracture energy is the softening modulus as it stands.
+#[test]
+fn a_fracture_energy_costs_nothing_and_changes_nothing_on_its_own_cells() {
+    let energy = ["material.clay.regularisation=fracture_energy", "material.clay.reference_length=0.5"];
+    let [mut with, mut without] =
+        [&energy[..], &[]].map(|keys| simulation(SLOPE, &[&["grid.cell=0.5"], keys].concat()));
+    advance(&mut with, 400);
+    advance(&mut without, 400);
+    assert!(bits(&with) == bits(&without));
+    assert_eq!(with.work, without.work);
 }
 
 #[test]

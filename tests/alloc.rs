@@ -95,6 +95,12 @@ fn no_step_allocates_with_domains() {
 }
 
 #[test]
+fn no_step_allocates_with_nonlocal_softening() {
+    let nonlocal = ["material.clay.regularisation=nonlocal", "material.clay.reference_length=1"];
+    run_through_failure(&[&["grid.cell=0.5", "gravity.schedule=at_once"], &nonlocal[..]].concat(), 1500);
+}
+
+#[test]
 fn no_step_allocates_with_every_effect() {
     let keys = [
         "grid.cell=0.5",

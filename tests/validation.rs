@@ -116,6 +116,11 @@ fn hard_cases() {
 }
 
 #[test]
+fn shear_layer() {
+    holds("shear-layer");
+}
+
+#[test]
 fn no_problem_is_left_out_here() {
     let tested = include_str!("validation.rs");
     for problem in problems() {

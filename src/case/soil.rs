@@ -68,6 +68,10 @@ pub enum Regularisation {
     None,
     /// H is scaled by the width of a band of the grid over `reference_length`.
     FractureEnergy { reference_length: f64 },
+    /// The strength follows (1 - m) eps_p + m <eps_p>, with a Gaussian average <.> of length `reference_length` and m =
+    /// `nonlocal_weight`; H is scaled so that a band dissipates what one of the reference length does. The default
+    /// m = 2 is usual; with m = 1 the localisation of linear softening has no limit (Vermeer & Brinkgreve 1994).
+    Nonlocal { reference_length: f64, nonlocal_weight: f64 },
 }
 
 /// The stress that the strength is compared with.

@@ -307,6 +307,13 @@ fn a_regularisation_needs_a_length_and_takes_it_along() {
     assert_eq!(found(&[energy, length]), Ok(Regularisation::FractureEnergy { reference_length: 0.25 }));
     assert!(found(&[energy]).expect_err("no length").contains("the width of the shear band"));
     assert!(found(&[length]).expect_err("no use").contains("has no meaning with regularisation = \"none\""));
+    let (nonlocal, weight) = ("material.clay.regularisation=nonlocal", "material.clay.nonlocal_weight=3");
+    let usual = Regularisation::Nonlocal { reference_length: 0.25, nonlocal_weight: 2.0 };
+    assert_eq!(found(&[nonlocal, length]), Ok(usual));
+    assert!(
+        found(&[nonlocal, length, "material.clay.nonlocal_weight=1"]).expect_err("m").contains("between 1.2 and 5")
+    );
+    assert!(found(&[energy, length, weight]).expect_err("no use").contains("a key of regularisation \"nonlocal\""));
     // of the file it lapses where an override chooses
     let keys = "regularisation = \"fracture_energy\"\nreference_length = 0.25\n";
     let text = SMALL.replace("cohesion = 20.0\n", &format!("cohesion = 20.0\n{keys}"));

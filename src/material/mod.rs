@@ -5,10 +5,12 @@
 //! `scene`.
 
 pub mod elastic;
+pub mod nonlocal;
 pub mod von_mises;
 
 pub use elastic::{Elastic, Elasticity};
-pub use von_mises::{Strength, VonMises};
+pub use nonlocal::NonlocalVonMises;
+pub use von_mises::{PlasticStrain, Strength, VonMises};
 
 use crate::math::tensor::{Moduli, Voigt};
 

@@ -7,7 +7,7 @@ use crate::{
     case::{self, Case},
     field::stream::{Purpose, Stream},
     kinematics::{Hencky, Rate, Small, StrengthMeasure},
-    material::{Columns, Elastic, Elasticity, Material, Strength, VonMises},
+    material::{Columns, Elastic, Elasticity, Material, NonlocalVonMises, Strength, VonMises},
     math::{outline::Outline, tensor::Voigt},
 };
 
@@ -16,7 +16,11 @@ pub fn law(material: &case::Material, kinematics: case::Kinematics) -> Box<dyn L
     match material {
         case::Material::Elastic { .. } => with_kinematics(Elastic, StrengthMeasure::Cauchy, kinematics),
         case::Material::VonMises { strength, .. } => {
-            with_kinematics(VonMises, measure(strength.strength_measure), kinematics)
+            let measure = measure(strength.strength_measure);
+            match strength.regularisation {
+                case::Regularisation::Nonlocal { .. } => with_kinematics(NonlocalVonMises, measure, kinematics),
+                _ => with_kinematics(VonMises, measure, kinematics),
+            }
         }
     }
 }

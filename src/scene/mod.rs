@@ -1,5 +1,6 @@
 //! From a case to a simulation: every choice is made here, once.
 
+mod band;
 mod effects;
 pub mod fields;
 mod materials;
@@ -211,13 +212,20 @@ fn with_shape<S: Shape<N>, const N: usize>(
 ) -> Result<(Box<dyn Integrator>, Control), SceneError> {
     prepare::<S, N>(grid, body)?;
     let effects = effects::build(case, &grid, body)?;
+    let averages = softening::averages(case, body);
     Ok(match case.solver.scheme {
         case::Scheme::Explicit => {
-            let explicit = Explicit::new(shape, grid, schemes::explicit(case), effects);
+            let mut explicit = Explicit::new(shape, grid, schemes::explicit(case), effects);
+            if !averages.is_empty() {
+                explicit.soften_by(body, averages);
+            }
             (Box::new(explicit), Control::new(case.explicit.time_step))
         }
         case::Scheme::Implicit => {
-            let implicit = Implicit::new(shape, grid, schemes::implicit(case, body), effects);
+            let mut implicit = Implicit::new(shape, grid, schemes::implicit(case, body), effects);
+            if !averages.is_empty() {
+                implicit.soften_by(body, averages);
+            }
             (Box::new(implicit), schemes::control(&case.implicit))
         }
     })

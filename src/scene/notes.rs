@@ -153,6 +153,13 @@ fn regularisation(case: &Case) -> EffectNote {
             );
             note("regularisation", true, why, 0.0)
         }
+        Regularisation::Nonlocal { reference_length: l, nonlocal_weight: m } => {
+            let why = format!(
+                "material.{name}.regularisation = \"nonlocal\": softening follows an average over reference_length = {l} m with m = {m}"
+            );
+            // kappa in both states, strain and volume twice a step, and the columns of the nodes
+            note("regularisation", true, why, 48.0)
+        }
         Regularisation::None => note("regularisation", false, String::new(), 0.0),
     }
 }

@@ -8,8 +8,10 @@
 //! makes the energy per area that of H in a band of width l_ref, whatever h (Pietruszczak & Mroz 1981; Bazant & Oh
 //! 1983).
 
-use super::{SceneError, refuse};
+use super::{SceneError, band, refuse};
 use crate::{
+    assembly::nonlocal::Average,
+    body::{Body, Group},
     case::{self, Case, Regularisation},
     material::Strength,
 };
@@ -23,13 +25,15 @@ fn band_cells(shape: case::ShapeFunctions) -> f64 {
     }
 }
 
-/// Factor on the softening modulus of a soil on the grid of a case.
+/// Factor on the softening modulus of a soil on the grid of a case. A nonlocal band dissipates what one of its effective
+/// width does, [`band::effective_width`] times l_ref.
 pub fn factor(case: &Case, strength: &case::Strength) -> f64 {
     match strength.regularisation {
         Regularisation::None => 1.0,
         Regularisation::FractureEnergy { reference_length } => {
             band_cells(case.solver.shape) * case.grid.cell / reference_length
         }
+        Regularisation::Nonlocal { nonlocal_weight, .. } => band::effective_width(nonlocal_weight),
     }
 }
 
@@ -43,14 +47,42 @@ pub fn residual_strain(case: &Case, material: &case::Material) -> Option<f64> {
     }
 }
 
+/// Cell (m) on which the mean soil would soften as fast as its stress falls; infinite where it does not soften.
+pub fn largest_cell(case: &Case, elastic: &case::Elastic, strength: &case::Strength) -> f64 {
+    let g = elastic.young_modulus / (2.0 * (1.0 + elastic.poisson_ratio));
+    let steepness = -1.5 * strength.yield_constant * factor(case, strength) * strength.softening_modulus / (3.0 * g);
+    if steepness > 0.0 { case.grid.cell / steepness } else { f64::INFINITY }
+}
+
+/// The averages that the groups of a body soften by.
+pub fn averages(case: &Case, body: &Body) -> Vec<Average> {
+    let materials: Vec<&case::Material> = case.material.values().collect();
+    let average = |(group, g): (usize, &Group)| match materials.get(usize::from(g.material)) {
+        Some(case::Material::VonMises { strength, .. }) => match strength.regularisation {
+            Regularisation::Nonlocal { reference_length: length, nonlocal_weight: weight } => {
+                Some(Average { group, length, weight })
+            }
+            _ => None,
+        },
+        _ => None,
+    };
+    body.groups.iter().enumerate().filter_map(average).collect()
+}
+
 /// The return to the yield surface exists while 3G + k f H > 0, f being the factor on the strength; half as
-/// much again as the initial volume is allowed for. The case is checked for its means, a field's values here.
+/// much again as the initial volume is allowed for. Nonlocal softening lags by a step, and so settles only while its
+/// steepest change, with max(1, m - 1) H, stays below the same. The case is checked for its means, a field's values
+/// here.
 ///
 /// # Errors
 /// A point whose strength would drop faster than its stress, with the largest cell for which it would not.
 pub fn check(case: &Case, strength: &case::Strength, p: &Strength) -> Result<(), SceneError> {
     let (modulus, g) = (p.softening_modulus, p.elasticity.shear_modulus);
-    let least = -3.0 * g / (1.5 * p.yield_constant);
+    let steepest = match strength.regularisation {
+        Regularisation::Nonlocal { nonlocal_weight, .. } => (nonlocal_weight - 1.0).max(1.0),
+        _ => 1.0,
+    };
+    let least = -3.0 * g / (1.5 * p.yield_constant * steepest);
     if modulus > least {
         return Ok(());
     }
@@ -59,6 +91,10 @@ pub fn check(case: &Case, strength: &case::Strength, p: &Strength) -> Result<(),
             let largest = case.grid.cell * least / modulus;
             ("grid.cell", format!("use cells of less than {largest:.4} m or a longer `reference_length`"))
         }
+        Regularisation::Nonlocal { .. } => (
+            "material",
+            "raise `softening_modulus` or `young_modulus`, or lower the variation of the fields".to_owned(),
+        ),
         Regularisation::None => ("field", "lower the variation of the fields".to_owned()),
     };
     let soft = format!("a point has a softening modulus of {modulus:.4} kPa with a shear modulus of {g:.4} kPa");

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::softening;
 use crate::{
     case::{self, Case, GravitySchedule, Regime, Scheme},
     sim::Simulation,
@@ -32,6 +33,7 @@ const MUCH: f64 = 4e9;
 pub fn list(case: &Case, simulation: &mut Simulation) -> Vec<Warning> {
     let mut found = vec![time_step(case, simulation), short(case), large_output(case, simulation)];
     found.extend([jitter(case), given_stress(case), short_load(case), narrow_drive(case)]);
+    found.extend(case.material.iter().map(|(name, m)| unresolved_softening(case, name, m)));
     if case.solver.scheme == Scheme::Implicit {
         found.extend([still_damping(case), settle_damping(case), small_strain(case), idle_motion(case)]);
     }
@@ -155,6 +157,28 @@ fn narrow_drive(case: &Case) -> Option<Warning> {
         drive.name, case.grid.cell
     );
     Some(Warning::new("narrow_drive", &format!("drive.{}.box", drive.name), text))
+}
+
+/// A length that the cells do not resolve, or cells on which softening comes close to what a step can follow.
+fn unresolved_softening(case: &Case, name: &str, material: &case::Material) -> Option<Warning> {
+    let case::Material::VonMises { elastic, strength } = material else { return None };
+    let h = case.grid.cell;
+    match strength.regularisation {
+        case::Regularisation::Nonlocal { reference_length: l, .. } if l < 2.0 * h => {
+            let text = format!(
+                "reference_length = {l} m of `{name}` is less than two cells of {h} m: the average over it is mostly that of the grid"
+            );
+            Some(Warning::new("unresolved_length", &format!("material.{name}.reference_length"), text))
+        }
+        case::Regularisation::FractureEnergy { .. } => {
+            let largest = softening::largest_cell(case, elastic, strength);
+            (h > 0.5 * largest).then(|| {
+                let text = format!("softening of `{name}` on cells of {h} m is more than half as steep as the elastic stress falls; from {largest:.3} m there is no solution");
+                Warning::new("steep_softening", "grid.cell", text)
+            })
+        }
+        _ => None,
+    }
 }
 
 fn large_output(case: &Case, simulation: &Simulation) -> Option<Warning> {

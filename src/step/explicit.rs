@@ -3,7 +3,12 @@
 use std::marker::PhantomData;
 
 use crate::{
-    assembly::{Scatter, Scratch, Strain, cells::CellMeans, place},
+    assembly::{
+        Scatter, Scratch, Strain,
+        cells::CellMeans,
+        nonlocal::{Average, Nonlocal, Soften},
+        place,
+    },
     body::{Body, chunks, load_varying, set_uniform},
     domain,
     effect::{Clock, Effect, Pass},
@@ -59,6 +64,8 @@ pub struct Explicit<S, const N: usize> {
     point_forces: PointForces,
     /// Where the dilatation is smoothed over cells (B-bar).
     cells: Option<Box<CellMeans>>,
+    /// Only where a soil softens nonlocally.
+    nonlocal: Option<Box<Nonlocal>>,
 }
 
 /// Which effects take part in which stage, found once.
@@ -109,7 +116,13 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
             balance: Box::default(),
             point_forces: PointForces::default(),
             cells: settings.smooth.then(|| Box::new(CellMeans::new(&grid))),
+            nonlocal: None,
         }
+    }
+
+    /// Lets the strength of some groups follow averages from now on.
+    pub fn soften_by(&mut self, body: &Body, averages: Vec<Average>) {
+        self.nonlocal = Some(Box::new(Nonlocal::new::<S, N>(&self.nodes.grid, body, averages)));
     }
 
     fn try_step(&mut self, body: &mut Body, clock: Clock, work: &mut Work) -> Result<(), Fault> {
@@ -125,8 +138,16 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
         let (scratch, cells) = (scratch.as_mut(), cells.as_deref_mut());
         let plastic = path.run(Strain { scratch, body, nodes, cells, dt: clock.dt, shape: *shape })?;
         self.commit(body, plastic, floor, work);
+        self.soften(body, work);
         self.keep_sorted(body, runs, work);
         Ok(())
+    }
+
+    /// The averages of what has been committed, for the next step.
+    fn soften(&mut self, body: &mut Body, work: &mut Work) {
+        let Explicit { nonlocal: Some(nonlocal), scratch, nodes, path, shape, .. } = self else { return };
+        path.run(Soften { scratch: scratch.as_mut(), body, nodes, kept: None, nonlocal, shape: *shape });
+        work.effect_calls += 1;
     }
 
     /// Puts the points back in cell order when too many runs of equal nodes have been broken.
@@ -353,9 +374,11 @@ impl<S: Shape<N>, const N: usize> Integrator for Explicit<S, N> {
 
     fn bytes(&self) -> usize {
         let loads: usize = self.point_forces.iter().map(|f| 8 * f.capacity()).sum();
+        let averages = self.nonlocal.as_ref().map_or(0, |n| n.bytes());
         4 * self.nodes.grid.nodes()
             + 13 * 8 * self.nodes.id.capacity()
             + loads
+            + averages
             + self.cells.as_ref().map_or(0, |c| c.bytes())
     }
 }

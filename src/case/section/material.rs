@@ -24,6 +24,7 @@ const LAWS: &[Variant] = &[
             "strength_measure",
             "regularisation",
             "reference_length",
+            "nonlocal_weight",
         ],
     },
 ];
@@ -144,8 +145,8 @@ fn check_residual(cursor: &Cursor<'_>, at: &Places, s: &Strength) {
 fn check_softening(cursor: &Cursor<'_>, at: &Places, e: &Elastic, s: &Strength) {
     let shear_modulus = e.young_modulus / (2.0 * (1.0 + e.poisson_ratio));
     let least = -3.0 * shear_modulus / (1.5 * s.yield_constant);
-    let scaled = matches!(s.regularisation, Regularisation::FractureEnergy { .. });
-    // what is scaled with the cells is judged where these are known, in `scene`
+    let scaled = s.regularisation != Regularisation::None;
+    // what is scaled with lengths is judged where these are known, in `scene`
     if s.softening_modulus > least || scaled {
         return;
     }

@@ -2,6 +2,7 @@
 
 use super::{Implicit, start::instant};
 use crate::{
+    assembly::nonlocal::Soften,
     body::{Body, chunks},
     domain,
     effect::{Clock, inertia::Weights},
@@ -111,6 +112,7 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
 
     pub(super) fn commit(&mut self, body: &mut Body, plastic: f64, work: &mut Work) {
         body.commit();
+        self.soften(body);
         self.effects.iter_mut().for_each(|e| e.ledger_mut().commit());
         self.plastic += plastic;
         self.failures = 0;
@@ -132,6 +134,14 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
             work.domain_clamps = work.domain_clamps.max(clamped);
         }
         self.keep_sorted(body, work);
+    }
+
+    /// The averages of what has been committed, for the next step; by the stencils of this one, which in small strain
+    /// are those of the start.
+    fn soften(&mut self, body: &mut Body) {
+        let Implicit { nonlocal: Some(nonlocal), scratch, nodes, kept, path, shape, .. } = self else { return };
+        let kept = Some(kept.stencils.as_slice());
+        path.run(Soften { scratch: scratch.as_mut(), body, nodes, kept, nonlocal, shape: *shape });
     }
 
     /// Puts the points back in cell order when too many runs of equal nodes have been broken. In

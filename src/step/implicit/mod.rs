@@ -8,7 +8,11 @@ mod start;
 use std::time::Instant;
 
 use crate::{
-    assembly::{Scratch, response::Kept},
+    assembly::{
+        Scratch,
+        nonlocal::{Average, Nonlocal},
+        response::Kept,
+    },
     body::Body,
     effect::{Clock, Effect, Inertia, TimeScheme},
     fault::Fault,
@@ -82,6 +86,8 @@ pub struct Implicit<S, const N: usize> {
     events: Vec<Event>,
     report: Report,
     phases: [f64; PHASES.len()],
+    /// Only where a soil softens nonlocally.
+    nonlocal: Option<Box<Nonlocal>>,
 }
 
 /// Parts of a step whose time is told.
@@ -128,7 +134,13 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
             events: Vec::new(),
             report: Report::default(),
             phases: Default::default(),
+            nonlocal: None,
         }
+    }
+
+    /// Lets the strength of some groups follow averages from now on.
+    pub fn soften_by(&mut self, body: &Body, averages: Vec<Average>) {
+        self.nonlocal = Some(Box::new(Nonlocal::new::<S, N>(&self.nodes.grid, body, averages)));
     }
 
     fn try_step(&mut self, body: &mut Body, clock: Clock, work: &mut Work) -> Result<(), Fault> {
@@ -191,7 +203,8 @@ impl<S: Shape<N>, const N: usize> Integrator for Implicit<S, N> {
 
     fn bytes(&self) -> usize {
         let nodes = 4 * self.nodes.grid.nodes() + 13 * 8 * self.nodes.id.capacity();
-        nodes + self.kept.bytes() + self.system.bytes() + self.solver.bytes()
+        let averages = self.nonlocal.as_ref().map_or(0, |n| n.bytes());
+        nodes + averages + self.kept.bytes() + self.system.bytes() + self.solver.bytes()
     }
 
     fn phases(&self) -> Vec<(&'static str, f64)> {

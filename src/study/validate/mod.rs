@@ -28,6 +28,7 @@ mod reference;
 mod report;
 mod rigid;
 mod setup;
+mod shear_layer;
 mod two_discs;
 mod undrained_slopes;
 mod vibrating_bar;
@@ -112,6 +113,7 @@ pub fn problems() -> &'static [&'static dyn Problem] {
         &cantilever::Cantilever,
         &block_collapse::BlockCollapse,
         &hard_cases::HardCases,
+        &shear_layer::ShearLayer,
         &field::Field,
     ]
 }
