@@ -4,6 +4,7 @@ mod check;
 mod compare;
 mod conduct;
 mod converge;
+mod cost;
 mod ensemble;
 mod exit;
 mod explain;
@@ -51,6 +52,8 @@ enum Verb {
     Merge(merge::Args),
     /// How an answer depends on mesh, points or any key: median and spread of jittered runs
     Converge(converge::Args),
+    /// What accuracy costs in time: error and CPU time of many settings, and the cheapest ones
+    Cost(cost::Args),
     /// Compare the explicit with the implicit scheme on one case
     Compare(compare::Args),
     /// Run several ensembles side by side, with tables, pictures and a report
@@ -78,6 +81,7 @@ pub fn main() -> ExitCode {
         Verb::Ensemble(args) => ensemble::run(&args),
         Verb::Merge(args) => merge::run(&args),
         Verb::Converge(args) => converge::run(&args),
+        Verb::Cost(args) => cost::run(&args),
         Verb::Compare(args) => compare::run(&args),
         Verb::Study(args) => study::run(&args),
         Verb::Validate(args) => validate::run(&args),

@@ -84,12 +84,17 @@ fn initial_failure(s: &mut String, m: &Measures) -> std::fmt::Result {
 
 fn probes(s: &mut String, r: &Record) -> std::fmt::Result {
     r.measures.probes.iter().try_for_each(|p| {
-        let value = p.value.map_or("no value".to_owned(), |v| format!("{v:.6} {}", p.quantity.unit()));
-        let error = p.exact.zip(p.error).map(|(exact, error)| format!("; exact {exact:.6}, error {error:.2e}"));
+        let value = p.value.map_or("no value".to_owned(), |v| format!("{} {}", seven(v), p.quantity.unit()));
+        let error = p.exact.zip(p.error).map(|(exact, error)| format!("; exact {}, error {error:.2e}", seven(exact)));
         let near = if p.points == 1 { " (that of the nearest point)" } else { "" };
         let (name, quantity) = (&p.name, p.quantity.word());
         writeln!(s, "  probe       {name}: {quantity} = {}{near}{}", value.trim_end(), error.unwrap_or_default())
     })
+}
+
+/// Seven digits, with an exponent where the number is far from 1.
+fn seven(value: f64) -> String {
+    if (1e-2..1e5).contains(&value.abs()) { format!("{value:.6}") } else { format!("{value:.6e}") }
 }
 
 fn balances(s: &mut String, r: &Record) -> std::fmt::Result {

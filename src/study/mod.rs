@@ -4,6 +4,7 @@ pub mod arms;
 mod clock;
 pub mod compare;
 pub mod converge;
+pub mod cost;
 pub mod ensemble;
 pub mod fields;
 pub mod quantity;

@@ -1,0 +1,179 @@
+//! What errors are measured against: an exact value, else the limit of a ladder of meshes, else the finest run.
+//!
+//! On three meshes with cells h r^2, h r and h and values v1, v2, v3 that approach the limit v as c h^p
+//! ```text
+//! p = ln((v1 - v2) / (v2 - v3)) / ln r,   v = v3 + (v3 - v2) / (r^p - 1)
+//! ```
+//! (Richardson; Roache 1997). The rate is clean where both differences have one sign, and p lies in [`RATES`]: out of
+//! it the meshes are not yet, or no longer, where the formula holds.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::setting::Setting;
+
+/// Rates that a ladder may show: from half an order, as beside a corner, to two orders above the second.
+const RATES: [f64; 2] = [0.5, 4.0];
+
+/// Where the reference comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Basis {
+    /// The exact value of a probe.
+    Exact,
+    /// The limit of a ladder of meshes with a clean rate.
+    Richardson,
+    /// The run with the smallest cells and, among these, the most steps; its own error is not known.
+    FinestRun,
+}
+
+/// The value that errors are measured against.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Reference {
+    pub basis: Basis,
+    pub value: f64,
+    /// How well it is known, in the unit of the quantity; `None`: not known.
+    pub uncertainty: Option<f64>,
+    /// In words.
+    pub source: String,
+    /// The setting of the finest run, where that is the reference.
+    pub setting: Option<String>,
+}
+
+impl Reference {
+    /// |value - reference| over |reference|; over 1 in its unit where the reference is 0.
+    pub fn error(&self, value: f64) -> f64 {
+        (value - self.value).abs() / self.scale()
+    }
+
+    /// The uncertainty as an error.
+    pub fn floor(&self) -> Option<f64> {
+        self.uncertainty.map(|u| u / self.scale())
+    }
+
+    /// Whether errors are shares of the reference.
+    pub fn is_relative(&self) -> bool {
+        self.value != 0.0
+    }
+
+    fn scale(&self) -> f64 {
+        if self.is_relative() { self.value.abs() } else { 1.0 }
+    }
+}
+
+/// Meshes that differ in the cell size alone, from the coarsest.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Ladder {
+    pub setting: String,
+    pub cells_m: Vec<f64>,
+    pub values: Vec<f64>,
+    /// p of the finest three; `None` where they show none.
+    pub order: Option<f64>,
+    /// The limit, where the rate is clean.
+    pub limit: Option<f64>,
+    /// Whether no other ladder has a finer time step, and all else alike.
+    pub finest_step: bool,
+}
+
+/// A setting with the value that it gave.
+pub struct Point<'a> {
+    pub setting: &'a Setting,
+    pub value: f64,
+    /// Steps taken.
+    pub steps: u64,
+}
+
+/// The ladders of at least two meshes.
+pub fn ladders(points: &[Point<'_>]) -> Vec<Ladder> {
+    let mut by_name: BTreeMap<String, Vec<&Point<'_>>> = BTreeMap::new();
+    for p in points {
+        by_name.entry(p.setting.ladder()).or_default().push(p);
+    }
+    // in the order of the settings, not of the names
+    let mut found: Vec<Vec<&Point<'_>>> = by_name.into_values().filter(|ladder| ladder.len() > 1).collect();
+    found.sort_by_key(|ladder| points.iter().position(|p| std::ptr::eq(p, ladder[0])));
+    found.iter().map(|ladder| one(ladder, points)).collect()
+}
+
+fn one(ladder: &[&Point<'_>], points: &[Point<'_>]) -> Ladder {
+    let mut steps = ladder.to_vec();
+    steps.sort_by(|a, b| b.setting.case.grid.cell.total_cmp(&a.setting.case.grid.cell));
+    let cells: Vec<f64> = steps.iter().map(|p| p.setting.case.grid.cell).collect();
+    let values: Vec<f64> = steps.iter().map(|p| p.value).collect();
+    let order = order(&cells, &values);
+    let coarser = |p: &Point<'_>| points.iter().any(|q| q.setting.refines(p.setting) && same_mesh(p, q));
+    Ladder {
+        setting: steps[0].setting.ladder(),
+        order,
+        limit: order.and_then(|p| limit(&cells, &values, p)),
+        finest_step: !ladder.iter().any(|p| coarser(p)),
+        cells_m: cells,
+        values,
+    }
+}
+
+fn same_mesh(a: &Point<'_>, b: &Point<'_>) -> bool {
+    let mesh = |p: &Point<'_>| (p.setting.case.grid.cell, p.setting.case.points.per_axis);
+    mesh(a) == mesh(b)
+}
+
+/// The finest three of a list.
+fn finest(list: &[f64]) -> Option<[f64; 3]> {
+    list.last_chunk().copied()
+}
+
+/// p of the finest three, where their cells have one ratio (to rounding) and the differences one sign.
+fn order(cells: &[f64], values: &[f64]) -> Option<f64> {
+    let ([h1, h2, h3], [v1, v2, v3]) = (finest(cells)?, finest(values)?);
+    let one_ratio = (h1 / h2 - h2 / h3).abs() < 1e-9 * h1 / h2;
+    let p = ((v1 - v2) / (v2 - v3)).ln() / (h2 / h3).ln();
+    (one_ratio && p.is_finite()).then_some(p)
+}
+
+fn limit(cells: &[f64], values: &[f64], order: f64) -> Option<f64> {
+    let ([_, h2, h3], [_, v2, v3]) = (finest(cells)?, finest(values)?);
+    let clean = (RATES[0]..=RATES[1]).contains(&order);
+    clean.then(|| v3 + (v3 - v2) / ((h2 / h3).powf(order) - 1.0))
+}
+
+/// The reference of a study; `None` where no run gave a value.
+pub fn reference(exact: Option<(f64, String)>, ladders: &[Ladder], points: &[Point<'_>]) -> Option<Reference> {
+    if let Some((value, source)) = exact {
+        let source = format!("exact value of the case ({source})");
+        return Some(Reference { basis: Basis::Exact, value, uncertainty: Some(0.0), source, setting: None });
+    }
+    richardson(ladders).or_else(|| finest_run(points))
+}
+
+/// Of the clean ladders with the finest steps the one whose finest run is nearest to its limit. How far the limits
+/// of the others lie from it tells how well it is known; with no other, how far the limit lies from the finest run.
+fn richardson(ladders: &[Ladder]) -> Option<Reference> {
+    let clean: Vec<(&Ladder, f64)> =
+        ladders.iter().filter(|l| l.finest_step).filter_map(|l| Some((l, l.limit?))).collect();
+    let gap = |(l, limit): &(&Ladder, f64)| l.values.last().map_or(f64::INFINITY, |v| (limit - v).abs());
+    let chosen = clean.iter().min_by(|a, b| gap(a).total_cmp(&gap(b)))?;
+    let spread = clean.iter().map(|(_, limit)| (limit - chosen.1).abs()).fold(0.0, f64::max);
+    let order = chosen.0.order.unwrap_or(f64::NAN);
+    let source = format!(
+        "Richardson limit of \"{}\" (order {order:.2}); {} clean ladder(s) with the finest steps",
+        chosen.0.setting,
+        clean.len()
+    );
+    let uncertainty = Some(if clean.len() > 1 { spread } else { gap(chosen) });
+    Some(Reference { basis: Basis::Richardson, value: chosen.1, uncertainty, source, setting: None })
+}
+
+fn finest_run(points: &[Point<'_>]) -> Option<Reference> {
+    let cell = |p: &Point<'_>| p.setting.case.grid.cell;
+    let finer = |a: &&Point<'_>, b: &&Point<'_>| cell(b).total_cmp(&cell(a)).then(a.steps.cmp(&b.steps));
+    let point = points.iter().max_by(finer)?;
+    let label = point.setting.label();
+    Some(Reference {
+        basis: Basis::FinestRun,
+        value: point.value,
+        uncertainty: None,
+        source: format!("finest run, {label}: its own error is not known"),
+        setting: Some(label),
+    })
+}

@@ -1,0 +1,145 @@
+//! The judgement of a study on made-up runs: rates, references, answers.
+
+use super::{
+    reference::{Point, ladders, reference},
+    setting::{Setting, settings},
+    *,
+};
+
+fn plan(vary: &[(&str, &[&str])]) -> Plan {
+    let axis = |(key, values): &(&str, &[&str])| Axis {
+        key: (*key).to_owned(),
+        values: values.iter().map(|v| (*v).to_owned()).collect(),
+    };
+    Plan {
+        name: "bar".to_owned(),
+        text: case::template("bar").unwrap().to_owned(),
+        overrides: vec!["grid.cell=1".to_owned()],
+        vary: vary.iter().map(axis).collect(),
+        levels: 3,
+        quantity: None,
+        runs: 1,
+        jitter: 0.0,
+        budget_s: 1e9,
+        max_memory: u64::MAX,
+        threads: 1,
+        limits: Limits::NONE,
+    }
+}
+
+fn all(plan: &Plan) -> Vec<Setting> {
+    let (case, _) = case::read(&plan.name, &plan.text, &plan.overrides).unwrap();
+    settings(plan, &case).unwrap().0
+}
+
+/// Rows with a value and a time for each setting.
+fn rows(plan: &Plan, run: impl Fn(&Setting) -> (f64, f64)) -> Vec<Row> {
+    let measured = |s: &Setting| {
+        let (value, cpu_s) = run(s);
+        let (value, cpu_s) = (Some(value), Some(cpu_s));
+        Measured { status: Status::EndTime, fault: None, value, runs: None, cpu_s, repeats: 1, work: Work::default() }
+    };
+    all(plan).into_iter().map(|s| row(s.clone(), measured(&s))).collect()
+}
+
+fn judged(rows: &mut [Row], value: f64) -> Vec<Answer> {
+    rows.iter_mut().for_each(|r| r.error = r.value.map(|v| (v - value).abs() / value));
+    answer::answers(rows, "tip", None)
+}
+
+#[test]
+fn usual_settings_are_those_that_the_case_allows() {
+    // 3 meshes x 2 shapes x (2 Courant numbers, 3 time steps)
+    assert_eq!(all(&plan(&[])).len(), 3 * (ShapeFunctions::ALL.len() - 1) * (2 + 3));
+    let mut small = plan(&[("solver.shape", &["linear"]), ("points.per_axis", &["2", "3"])]);
+    small.overrides.extend(["solver.scheme=implicit", "solver.kinematics=small"].map(str::to_owned));
+    let (case, _) = case::read(&small.name, &small.text, &small.overrides).unwrap();
+    let (settings, refused) = settings(&small, &case).unwrap();
+    assert_eq!((settings.len(), refused.len()), (3 * 2 * 3, 3 * 2 * 2));
+    assert!(refused[0].why.contains("kinematics"), "{}", refused[0].why);
+    assert_eq!(settings[0].label(), "implicit, linear, h = 1, dt = 0.08, per_axis = 2");
+}
+
+#[test]
+fn a_setting_refines_another_by_one_key() {
+    let plan = plan(&[("solver.shape", &["gimp"]), ("points.per_axis", &["2", "3"])]);
+    let all = all(&plan);
+    let named = |words: &str| all.iter().find(|s| s.label() == words).unwrap();
+    let coarse = named("implicit, gimp, h = 1, dt = 0.08, per_axis = 2");
+    assert!(named("implicit, gimp, h = 0.5, dt = 0.08, per_axis = 2").refines(coarse));
+    assert!(named("implicit, gimp, h = 1, dt = 0.005, per_axis = 2").refines(coarse));
+    assert!(named("implicit, gimp, h = 1, dt = 0.08, per_axis = 3").refines(coarse));
+    assert!(!coarse.refines(coarse) && !coarse.refines(named("implicit, gimp, h = 0.5, dt = 0.08, per_axis = 2")));
+    assert!(!named("implicit, gimp, h = 0.5, dt = 0.005, per_axis = 2").refines(coarse));
+}
+
+/// value = 2 + 0.3 h^2 has order 2 and the limit 2, up to rounding of the differences.
+#[test]
+fn a_clean_ladder_gives_its_order_and_limit() {
+    let all = all(&plan(&[("solver.shape", &["gimp"])]));
+    let value = |s: &Setting| 2.0 + 0.3 * s.case.grid.cell.powi(2);
+    let points: Vec<Point<'_>> = all.iter().map(|s| Point { setting: s, value: value(s), steps: 1 }).collect();
+    let ladders = ladders(&points);
+    assert_eq!(ladders.len(), 2 + 3);
+    assert!(ladders.iter().all(|l| (l.order.unwrap() - 2.0).abs() < 1e-12 && (l.limit.unwrap() - 2.0).abs() < 1e-12));
+    assert_eq!(ladders.iter().filter(|l| l.finest_step).count(), 2);
+    let found = reference(None, &ladders, &points).unwrap();
+    assert_eq!(found.basis, Basis::Richardson);
+    assert!((found.value - 2.0).abs() < 1e-12 && found.floor().unwrap() < 1e-12);
+    let exact = reference(Some((2.5, "a book".to_owned())), &ladders, &points).unwrap();
+    assert_eq!((exact.basis, exact.value), (Basis::Exact, 2.5));
+}
+
+#[test]
+fn without_a_clean_rate_the_finest_run_is_the_reference() {
+    let all = all(&plan(&[("solver.shape", &["gimp"])]));
+    let value = |s: &Setting| 2.0 + (9.0 * s.case.grid.cell).sin();
+    let points: Vec<Point<'_>> =
+        all.iter().zip(0..).map(|(s, k)| Point { setting: s, value: value(s), steps: k }).collect();
+    let found = reference(None, &ladders(&points), &points).unwrap();
+    assert_eq!((found.basis, found.uncertainty), (Basis::FinestRun, None));
+    assert_eq!(found.setting, Some("implicit, gimp, h = 0.25, dt = 0.005".to_owned()));
+}
+
+#[test]
+fn answers_name_the_cheapest_setting_and_the_ratio() {
+    let plan = plan(&[("solver.shape", &["gimp"]), ("explicit.courant", &["0.25"]), ("implicit.time_step", &["0.02"])]);
+    // both err by 0.08 h^2; explicit 1 / h^3 s, implicit 0.2 / h^2 s
+    let mut rows = rows(&plan, |s| {
+        let h = s.case.grid.cell;
+        let cost = if s.case.solver.scheme == Scheme::Explicit { h.powi(-3) } else { 0.2 * h.powi(-2) };
+        (1.0 + 0.08 * h * h, cost)
+    });
+    let answers = judged(&mut rows, 1.0);
+    assert_eq!(
+        answers[0].text,
+        "for 10 % in tip: implicit, gimp, h = 1, dt = 0.02: 0.2 s; \
+         the cheapest explicit setting takes 1 s (5 times): explicit, gimp, h = 1, courant = 0.25"
+    );
+    assert_eq!(answers[1].picks[0].setting, "implicit, gimp, h = 0.25, dt = 0.02");
+    assert!((answers[1].ratio.unwrap() - 20.0).abs() < 1e-12);
+    assert!(answers[2].picks.is_empty() && answers[2].text.contains("no setting that was run gets there"));
+}
+
+/// The coarsest mesh hits the value by chance; the next one does not.
+#[test]
+fn an_error_that_is_small_by_chance_is_no_answer() {
+    let plan =
+        plan(&[("solver.shape", &["gimp"]), ("solver.scheme", &["implicit"]), ("implicit.time_step", &["0.02"])]);
+    let value = |h: f64| if h > 0.7 { 1.0 } else { 1.0 + 0.02 * h };
+    let mut rows = rows(&plan, |s| (value(s.case.grid.cell), 1.0 / s.case.grid.cell));
+    let answers = judged(&mut rows, 1.0);
+    assert!(answers[1].picks[0].setting.contains("h = 0.5"), "{}", answers[1].text);
+    assert!(answers[2].picks.is_empty());
+}
+
+#[test]
+fn prices_learn_and_the_budget_ends() {
+    let all = all(&plan(&[]));
+    let mut prices = Prices::new(1.0);
+    let guess = prices.predict(&all[0], 1);
+    assert!(prices.reserve(0.6) && !prices.reserve(0.6));
+    prices.pay(&all[0], 0.6, 0.2, 10.0 * guess);
+    assert!((prices.predict(&all[0], 2) / guess - 20.0).abs() < 1e-9);
+    assert!(prices.reserve(0.7) && !prices.reserve(0.2));
+}
