@@ -20,6 +20,8 @@ pub struct Nodes {
     pub momentum: [Vec<f64>; 2],
     /// Force (kN/m).
     pub force: [Vec<f64>; 2],
+    /// Its internal part (kN/m); kept for the books of MUSL alone.
+    pub internal: [Vec<f64>; 2],
     /// Velocity at the start of the step (m/s).
     pub old_velocity: [Vec<f64>; 2],
     /// Velocity at its end (m/s): it moves the points.
@@ -46,6 +48,7 @@ impl Nodes {
             inverse_mass: Vec::new(),
             momentum: Default::default(),
             force: Default::default(),
+            internal: Default::default(),
             old_velocity: Default::default(),
             velocity: Default::default(),
             strain_velocity: Default::default(),
@@ -123,8 +126,8 @@ impl Nodes {
         self.id.resize(n, 0);
         self.mass.resize(n, 0.0);
         self.inverse_mass.resize(n, 0.0);
-        let Nodes { momentum, force, old_velocity, velocity, strain_velocity, .. } = self;
-        for columns in [momentum, force, old_velocity, velocity, strain_velocity] {
+        let Nodes { momentum, force, internal, old_velocity, velocity, strain_velocity, .. } = self;
+        for columns in [momentum, force, internal, old_velocity, velocity, strain_velocity] {
             columns.iter_mut().for_each(|c| c.resize(n, 0.0));
         }
         let longest = 2 * (self.grid.cells[0].max(self.grid.cells[1]) as usize + 1);

@@ -5,7 +5,7 @@ use std::{fs::File, io, path::Path};
 use crate::run::Sample;
 
 /// Columns of the history.
-pub const COLUMNS: [&str; 14] = [
+pub const COLUMNS: [&str; 18] = [
     "time_s",
     "dt_s",
     "kinetic_kj_per_m",
@@ -20,6 +20,10 @@ pub const COLUMNS: [&str; 14] = [
     "sliding_distance_m",
     "newton_iterations",
     "residual",
+    "transfer_kj_per_m",
+    "impact_kj_per_m",
+    "integrator_kj_per_m",
+    "unexplained_kj_per_m",
 ];
 
 /// Writes rows as they come, and keeps them for the pictures.
@@ -59,6 +63,7 @@ impl History {
         row.push(s.sliding_distance.map(|r| format!("{r}")).unwrap_or_default());
         row.push(s.newton_iterations.to_string());
         row.push(s.residual.map(|r| format!("{r}")).unwrap_or_default());
+        row.extend([e.transfer, e.impact, e.integrator, e.unexplained].map(|v| format!("{v}")));
         self.writer.write_record(&row)?;
         self.rows.push(*s);
         Ok(())
@@ -102,6 +107,10 @@ pub fn read(path: &Path) -> io::Result<Vec<Sample>> {
                 friction: at(8),
                 damping: at(9),
                 numerical: at(10),
+                transfer: at(14),
+                impact: at(15),
+                integrator: at(16),
+                unexplained: at(17),
             },
             sliding_distance: number(11),
             particle_steps: 0,

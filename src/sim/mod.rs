@@ -5,7 +5,7 @@ use crate::{
     block::Law,
     body::Body,
     fault::Fault,
-    step::{Books, Event, Integrator, Report, control::Control},
+    step::{Books, Event, Flows, Integrator, Report, control::Control},
     work::Work,
 };
 
@@ -35,8 +35,17 @@ pub struct Energies {
     pub friction: f64,
     pub damping: f64,
     /// What the other terms leave over: external - kinetic - strain - dissipated. It is the
-    /// energy that the scheme itself loses or makes (PIC, FLIP noise, impacts on supports, ghost penalty).
+    /// energy that the scheme itself loses or makes, the sum of the four below.
     pub numerical: f64,
+    /// Lost by the maps between points and nodes (lumped mass, PIC); see [`crate::step::flows`].
+    pub transfer: f64,
+    /// Taken by supports, drives and contacts that stop nodes.
+    pub impact: f64,
+    /// Implicit scheme: taken by the integration in time (damping of backward Euler and HHT, the ghost penalty; without
+    /// inertia what a body gives up that starts a step out of balance).
+    pub integrator: f64,
+    /// The rest: the integration of the stress over a step, or an instability. It falls with the length of the steps.
+    pub unexplained: f64,
 }
 
 /// A body that moves.
@@ -51,6 +60,8 @@ pub struct Simulation {
     pub dt: f64,
     pub work: Work,
     initial_energy: f64,
+    /// Kinetic energy of the points at the start (kJ/m).
+    initial_kinetic: f64,
     initial_momentum: [f64; 2],
     /// Mass at the start (t/m).
     pub initial_mass: f64,
@@ -67,11 +78,12 @@ impl Simulation {
             dt: 0.0,
             work: Work { points: body.len() as u64, ..Work::default() },
             initial_energy: 0.0,
+            initial_kinetic: body.kinetic_energy(),
             initial_momentum: body.momentum(),
             initial_mass: body.total_mass(),
             body,
         };
-        s.initial_energy = s.body.kinetic_energy() + s.body.strain_energy();
+        s.initial_energy = s.initial_kinetic + s.body.strain_energy();
         s
     }
 
@@ -96,6 +108,7 @@ impl Simulation {
             }
             self.body.restart_from_here();
             self.initial_energy -= lost;
+            self.initial_kinetic -= lost;
             self.initial_momentum = [0, 1].map(|a| self.initial_momentum[a] - momentum[a]);
         }
     }
@@ -156,6 +169,9 @@ impl Simulation {
         let (kinetic, strain) = (self.body.kinetic_energy(), self.body.strain_energy());
         let external = books.effects.external + self.initial_energy;
         let dissipated = books.plastic + books.effects.dissipated;
+        let numerical = external - kinetic - strain - dissipated;
+        let Flows { nodes, impact, integrator } = books.flows;
+        let transfer = self.initial_kinetic - kinetic + nodes;
         Energies {
             kinetic,
             nodal_kinetic: self.integrator.nodal_kinetic_energy(),
@@ -165,7 +181,11 @@ impl Simulation {
             plastic: books.plastic,
             friction: books.friction,
             damping: books.damping,
-            numerical: external - kinetic - strain - dissipated,
+            numerical,
+            transfer,
+            impact,
+            integrator,
+            unexplained: numerical - transfer - impact - integrator,
         }
     }
 

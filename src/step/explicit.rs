@@ -18,6 +18,7 @@ use crate::{
     space::{Grid, Shape, Stencil},
     step::{
         Books, Integrator,
+        flows::{self, Flows},
         load::{PointForces, Spread, gather},
     },
     transfer::Push,
@@ -57,6 +58,7 @@ pub struct Explicit<S, const N: usize> {
     lists: StageLists,
     plastic: f64,
     floor_impulse: [f64; 2],
+    flows: Flows,
     path: FpPath,
     runs_when_sorted: u64,
     balance: Box<NodeBalance>,
@@ -111,6 +113,7 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
             lists,
             plastic: 0.0,
             floor_impulse: [0.0; 2],
+            flows: Flows::default(),
             path: FpPath::best(),
             runs_when_sorted: 0,
             balance: Box::default(),
@@ -134,10 +137,12 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
         self.push(body, clock.dt)?;
         self.lists.load.iter().for_each(|&e| self.effects[e].account_points(body, clock));
         self.strain_velocity(clock, work);
+        let flows =
+            self.path.run(Weigh { nodes: &self.nodes, stress_update: self.settings.stress_update, dt: clock.dt });
         let Explicit { scratch, nodes, shape, path, cells, .. } = self;
         let (scratch, cells) = (scratch.as_mut(), cells.as_deref_mut());
         let plastic = path.run(Strain { scratch, body, nodes, cells, dt: clock.dt, shape: *shape })?;
-        self.commit(body, plastic, floor, work);
+        self.commit(body, plastic, floor, &flows, work);
         self.soften(body, work);
         self.keep_sorted(body, runs, work);
         Ok(())
@@ -176,6 +181,10 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
         invert_mass::<S, N>(nodes);
         let Nodes { old_velocity: out, momentum, inverse_mass, count, .. } = &mut *nodes;
         path.run(Divide { out, momentum, inverse_mass, n: *count });
+        if self.settings.stress_update == StressUpdate::Musl {
+            let (n, internal) = (nodes.count, nodes.internal.iter_mut());
+            internal.zip(&nodes.force).for_each(|(kept, force)| kept[..n].copy_from_slice(&force[..n]));
+        }
         let floor = withhold(nodes, clock.dt, self.settings.mass_floor * mean_mass);
         self.spread_loads(body, clock, work);
         let Explicit { nodes, effects, lists, path, .. } = self;
@@ -233,10 +242,11 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
         }
     }
 
-    fn commit(&mut self, body: &mut Body, plastic: f64, floor: [f64; 2], work: &mut Work) {
+    fn commit(&mut self, body: &mut Body, plastic: f64, floor: [f64; 2], flows: &Flows, work: &mut Work) {
         body.commit();
         self.effects.iter_mut().for_each(|e| e.ledger_mut().commit());
         self.plastic += plastic;
+        self.flows.add(flows);
         self.floor_impulse[0] += floor[0];
         self.floor_impulse[1] += floor[1];
         work.steps += 1;
@@ -284,6 +294,25 @@ impl Kernel for Divide<'_> {
             for i in 0..self.n {
                 out[i] = momentum[i] * inverse[i];
             }
+        }
+    }
+}
+
+/// The sums of [`Flows`].
+struct Weigh<'a> {
+    nodes: &'a Nodes,
+    stress_update: StressUpdate,
+    dt: f64,
+}
+
+impl Kernel for Weigh<'_> {
+    type Output = Flows;
+
+    #[inline(always)]
+    fn run(self) -> Flows {
+        match self.stress_update {
+            StressUpdate::Musl => flows::musl(self.nodes, self.dt),
+            StressUpdate::Usl => flows::usl(self.nodes, self.dt),
         }
     }
 }
@@ -367,7 +396,7 @@ impl<S: Shape<N>, const N: usize> Integrator for Explicit<S, N> {
     }
 
     fn books(&self) -> Books {
-        let mut books = Books::of(&self.effects, self.plastic);
+        let mut books = Books { flows: self.flows, ..Books::of(&self.effects, self.plastic) };
         (0..2).for_each(|axis| books.effects.impulse[axis] += self.floor_impulse[axis]);
         books
     }
@@ -376,7 +405,7 @@ impl<S: Shape<N>, const N: usize> Integrator for Explicit<S, N> {
         let loads: usize = self.point_forces.iter().map(|f| 8 * f.capacity()).sum();
         let averages = self.nonlocal.as_ref().map_or(0, |n| n.bytes());
         4 * self.nodes.grid.nodes()
-            + 13 * 8 * self.nodes.id.capacity()
+            + 15 * 8 * self.nodes.id.capacity()
             + loads
             + averages
             + self.cells.as_ref().map_or(0, |c| c.bytes())

@@ -2,8 +2,11 @@
 
 pub mod control;
 pub mod explicit;
+pub mod flows;
 pub mod implicit;
 pub mod load;
+
+pub use flows::Flows;
 
 use serde::Serialize;
 
@@ -25,6 +28,8 @@ pub struct Books {
     pub friction: f64,
     /// Energy taken by damping (kJ/m).
     pub damping: f64,
+    /// What the scheme itself has taken.
+    pub flows: Flows,
 }
 
 impl Books {

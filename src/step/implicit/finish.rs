@@ -1,6 +1,6 @@
 //! How a step ends: the points move, its error is judged, and all commits.
 
-use super::{Implicit, start::instant};
+use super::{Implicit, iterate::work_of, start::instant};
 use crate::{
     assembly::nonlocal::Soften,
     body::{Body, chunks},
@@ -8,7 +8,7 @@ use crate::{
     effect::{Clock, inertia::Weights},
     fault::{Fault, FaultKind},
     space::Shape,
-    step::Report,
+    step::{Flows, Report},
     transfer::Carry,
     work::Work,
 };
@@ -85,8 +85,9 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
 
     /// The books of the effects.
     pub(super) fn settle(&mut self, body: &Body, clock: Clock, weights: Option<Weights>) {
+        self.kinetic = if weights.is_some() { self.nodes.kinetic_energy() } else { 0.0 };
+        let mut flows = if weights.is_some() { self.nodal_flows() } else { Flows::default() };
         let Implicit { effects, nodes, system, .. } = self;
-        self.kinetic = if weights.is_some() { nodes.kinetic_energy() } else { 0.0 };
         // what is booked from velocities is booked from the mean velocity of the step
         let n = nodes.count;
         for axis in 0..2 {
@@ -108,6 +109,33 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
                 effect.ledger_mut().step.impulse = [0.0; 2];
             }
         }
+        // supplied = gained by the nodes + lost on impact + work against the mean internal force + taken by the integrator:
+        // the damping of backward Euler and HHT, the ghost penalty, and what a body out of balance gives up without inertia
+        flows.integrator = self.supplied() - self.mean_internal_work() - flows.nodes - flows.impact;
+        self.step_flows = flows;
+    }
+
+    /// What the nodes have gained, and what those have lost that came to their velocity within the step.
+    fn nodal_flows(&self) -> Flows {
+        let Implicit { nodes, system, .. } = self;
+        let mut flows = Flows::default();
+        for axis in 0..2 {
+            for slot in 0..nodes.count {
+                let (start, end) = (nodes.old_velocity[axis][slot], nodes.velocity[axis][slot]);
+                flows.book(nodes.mass[slot], start, end, system.is_inelastic(slot, axis));
+            }
+        }
+        flows
+    }
+
+    /// What the effects have given in this step, less what they have taken (kJ/m).
+    fn supplied(&self) -> f64 {
+        self.effects.iter().map(|e| e.ledger().step).map(|t| t.external - t.dissipated).sum()
+    }
+
+    /// Work of the mean of the internal forces at the start and at the end (kJ/m).
+    fn mean_internal_work(&self) -> f64 {
+        0.5 * (work_of(&self.start_force, &self.system.du) + self.internal_work)
     }
 
     pub(super) fn commit(&mut self, body: &mut Body, plastic: f64, work: &mut Work) {
@@ -115,6 +143,7 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
         self.soften(body);
         self.effects.iter_mut().for_each(|e| e.ledger_mut().commit());
         self.plastic += plastic;
+        self.flows.add(&self.step_flows);
         self.failures = 0;
         self.report = Report {
             iterations: self.convergence.iterations(),

@@ -146,6 +146,10 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
     /// What is out of balance, with inertia, loads, effects, supports and contacts.
     fn balance(&mut self, clock: Clock, weights: Option<Weights>, iteration: u32) -> Residual {
         let mut scale = norm(&self.system.residual);
+        self.internal_work = work_of(&self.system.residual, &self.system.du);
+        if weights.is_none() && iteration == 0 {
+            self.keep_start_force();
+        }
         if let Some((w, inertia)) = weights.zip(self.inertia.as_mut()) {
             weigh(&mut self.system, &self.start_force, w.w1);
             inertia.add(&self.nodes, &mut self.system, &w);
@@ -185,6 +189,11 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
         }
         Err(Fault::new(FaultKind::Unstable))
     }
+}
+
+/// Sum of f . du (kJ/m).
+pub(super) fn work_of(force: &[Vec<f64>; 2], du: &[Vec<f64>; 2]) -> f64 {
+    force.iter().flatten().zip(du.iter().flatten()).map(|(f, du)| f * du).sum()
 }
 
 /// r = w1 r + (1 - w1) r_start, K = w1 K.

@@ -23,7 +23,7 @@ use crate::{
     },
     nodes::Nodes,
     space::{Grid, Shape},
-    step::{Books, Event, Integrator, Report, load},
+    step::{Books, Event, Flows, Integrator, Report, load},
     system::System,
     work::Work,
 };
@@ -77,6 +77,11 @@ pub struct Implicit<S, const N: usize> {
     loads: Vec<usize>,
     point_forces: load::PointForces,
     plastic: f64,
+    /// Work of the internal forces at the end of the step (kJ/m), as they stand in the last evaluation.
+    internal_work: f64,
+    flows: Flows,
+    /// Those of the step under way.
+    step_flows: Flows,
     path: FpPath,
     filled: bool,
     runs_when_sorted: u64,
@@ -126,6 +131,9 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
             error_ratio: None,
             point_forces: Default::default(),
             plastic: 0.0,
+            internal_work: 0.0,
+            flows: Flows::default(),
+            step_flows: Flows::default(),
             path: FpPath::best(),
             filled: false,
             runs_when_sorted: 0,
@@ -198,11 +206,11 @@ impl<S: Shape<N>, const N: usize> Integrator for Implicit<S, N> {
     }
 
     fn books(&self) -> Books {
-        Books::of(&self.effects, self.plastic)
+        Books { flows: self.flows, ..Books::of(&self.effects, self.plastic) }
     }
 
     fn bytes(&self) -> usize {
-        let nodes = 4 * self.nodes.grid.nodes() + 13 * 8 * self.nodes.id.capacity();
+        let nodes = 4 * self.nodes.grid.nodes() + 15 * 8 * self.nodes.id.capacity();
         let averages = self.nonlocal.as_ref().map_or(0, |n| n.bytes());
         nodes + averages + self.kept.bytes() + self.system.bytes() + self.solver.bytes()
     }

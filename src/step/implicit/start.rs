@@ -51,22 +51,27 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
         self.load(body, clock, weights);
         self.convergence.begin();
         self.first.iter_mut().for_each(Vec::clear);
-        let Some(w) = weights else { return Ok(()) };
+        if weights.is_none() {
+            return Ok(());
+        }
         let fresh = self.map_motion(body);
-        if w.w1 < 1.0 {
-            self.respond(body, false)?;
-            for axis in 0..2 {
-                self.start_force[axis].clone_from(&self.system.residual[axis]);
-            }
-            if fresh {
-                self.accelerate();
-            }
+        self.respond(body, false)?;
+        self.keep_start_force();
+        if fresh {
+            self.accelerate();
         }
         for axis in 0..2 {
             let velocity = self.nodes.old_velocity[axis][..self.nodes.count].iter();
             self.system.du[axis].iter_mut().zip(velocity).for_each(|(du, v)| *du = clock.dt * v);
         }
         Ok(())
+    }
+
+    /// Keeps the internal forces of the start of the step, for the scheme and for the books.
+    pub(super) fn keep_start_force(&mut self) {
+        for axis in 0..2 {
+            self.start_force[axis].clone_from(&self.system.residual[axis]);
+        }
     }
 
     /// External forces on the nodes, at t + w1 dt.
