@@ -12,6 +12,7 @@ mod field;
 mod input;
 mod interrupt;
 mod merge;
+mod multilevel;
 mod new;
 mod plot;
 mod progress;
@@ -54,6 +55,8 @@ enum Verb {
     Converge(converge::Args),
     /// What accuracy costs in time: error and CPU time of many settings, and the cheapest ones
     Cost(cost::Args),
+    /// What the mean over realisations costs: bias against standard error, and multilevel Monte Carlo
+    Multilevel(multilevel::Args),
     /// Compare the explicit with the implicit scheme on one case
     Compare(compare::Args),
     /// Run several ensembles side by side, with tables, pictures and a report
@@ -82,6 +85,7 @@ pub fn main() -> ExitCode {
         Verb::Merge(args) => merge::run(&args),
         Verb::Converge(args) => converge::run(&args),
         Verb::Cost(args) => cost::run(&args),
+        Verb::Multilevel(args) => multilevel::run(&args),
         Verb::Compare(args) => compare::run(&args),
         Verb::Study(args) => study::run(&args),
         Verb::Validate(args) => validate::run(&args),

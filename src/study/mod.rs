@@ -7,6 +7,7 @@ pub mod converge;
 pub mod cost;
 pub mod ensemble;
 pub mod fields;
+pub mod multilevel;
 pub mod quantity;
 pub mod strength_reduction;
 pub mod validate;

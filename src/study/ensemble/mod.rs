@@ -22,8 +22,10 @@ mod until;
 
 pub use folder::Start;
 pub use measures::{CENSORED, SLIDE_VOLUME, SLIDING_DISTANCE, first_slide};
+pub(super) use measures::{Measure, list as all_measures, needs_crest};
 pub use realise::{Draw, Shard, is_random, realise};
 pub use results::Results;
+pub(super) use row::{Done, Realiser};
 pub use slide::resolution;
 pub use summary::Summary;
 pub use text::text;
@@ -51,7 +53,6 @@ use crate::{
     scene,
 };
 use journal::{Journal, Session};
-use row::{Done, Realiser};
 use until::decide;
 
 /// What is run. The case says when to stop earlier.
