@@ -24,9 +24,7 @@ const SET: [&str; 6] = [
 fn command(out: &Path, more: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_rmpm"));
     command.args(["multilevel", CASE, "--levels", "2,1", "--pilot", "8,5", "--json", "--out"]).arg(out);
-    for key in SET {
-        command.args(["--set", key]);
-    }
+    command.args(SET.iter().flat_map(|key| ["--set", key]));
     command.args(more);
     command
 }

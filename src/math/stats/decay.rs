@@ -32,14 +32,14 @@ pub fn rate(h: &[f64], y: &[f64], errors: &[f64]) -> Option<Rate> {
     let squares = sum(&|x, _| x * x);
     let (rate, standard_error) = (sum(&|x, y| x * y) / squares, squares.sqrt().recip());
     let half = z * standard_error;
-    (rate.is_finite() && half.is_finite()).then(|| Rate { rate, standard_error, low: rate - half, high: rate + half })
+    (rate.is_finite() && half.is_finite()).then_some(Rate { rate, standard_error, low: rate - half, high: rate + half })
 }
 
 /// What the means of differences between levels tell of the bias of the finest.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "verdict", rename_all = "snake_case")]
 pub enum Bias {
-    /// |E[Y_l - Y_(l-1)]| falls as h^alpha: the limit lies `to_limit` above E[Y_L].
+    /// `|E[Y_l - Y_(l-1)]|` falls as h^alpha: the limit lies `to_limit` above `E[Y_L]`.
     Decays { alpha: Rate, to_limit: f64, standard_error: f64 },
     /// The last difference is not told from 0: it is at most `bound`, and the bias is no larger where differences
     /// at least halve from level to level.
@@ -52,7 +52,7 @@ pub enum Bias {
 
 impl Bias {
     /// From the means of differences and their standard errors, coarsest first, `h` being the size of the finer
-    /// of both levels. With M = h_(L-1) / h_L: to_limit = E[Y_L - Y_(L-1)] / (M^alpha - 1).
+    /// of both levels. With M = h_(L-1) / h_L: `to_limit = E[Y_L - Y_(L-1)] / (M^alpha - 1)`.
     pub fn of(h: &[f64], differences: &[(f64, f64)]) -> Bias {
         let (Some([.., before, last_h]), Some(&(last, se))) = (h.last_chunk::<2>(), differences.last()) else {
             return Bias::TooFew;

@@ -1,6 +1,6 @@
 //! Multilevel Monte Carlo: the mean on a fine level as the sum of means of differences between levels,
 //!
-//! E[Y_L] = E[Y_0] + sum over l of E[Y_l - Y_(l-1)],
+//! `E[Y_L] = E[Y_0] + sum over l of E[Y_l - Y_(l-1)]`,
 //!
 //! each with realisations of its own (M. Giles, Oper. Res. 56(3), 2008; Acta Numer. 24, 2015). A *term* is one of
 //! these means. Costs are in any unit, the same for all levels.
@@ -89,7 +89,7 @@ pub fn root_sum(variances: &[f64], costs: &[f64]) -> f64 {
 }
 
 /// Least cost of the multilevel sum over that of plain Monte Carlo on the finest level, for the same variance:
-/// (sum sqrt(V_l C_l))^2 / (V[Y_L] C), with `plain` = C, the cost of one run of the finest level.
+/// `(sum sqrt(V_l C_l))^2 / (V[Y_L] C)`, with `plain` = C, the cost of one run of the finest level.
 pub fn cost_ratio(terms: &[Term], costs: &[f64], plain: f64) -> f64 {
     let variances: Vec<f64> = terms.iter().map(|t| t.variance).collect();
     root_sum(&variances, costs).powi(2) / (terms.last().map_or(f64::NAN, |t| t.fine_variance) * plain)

@@ -82,7 +82,7 @@ pub struct Quantity {
     pub lacking: Vec<usize>,
     /// Of each level: mean, standard error and standard deviation over all its runs.
     pub levels: Vec<Summary>,
-    /// V[Y_l - Y_(l-1)] = a h^beta.
+    /// `V[Y_l - Y_(l-1)] = a h^beta`.
     pub beta: Option<Rate>,
     /// With alpha.
     pub bias: Bias,

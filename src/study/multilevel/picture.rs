@@ -4,7 +4,7 @@ use std::{io, path::Path};
 
 use super::{Quantity, Study, text::words};
 use crate::{
-    math::stats::levels::Beyond,
+    math::stats::{Summary, levels::Beyond},
     output::plot::{self, Area, AxisSpec, Curve, Marker, PALETTE, Part, SeriesPlot, Style},
 };
 
@@ -53,11 +53,11 @@ fn curve(study: &Study, name: &str, first: usize, values: &[(f64, f64)]) -> Curv
 fn variances(study: &Study, q: &Quantity) -> SeriesPlot {
     let (name, unit) = words(&q.name);
     // a variance of n normal values is known to sqrt(2 / (n - 1)) of itself
-    let of_levels = |s: &crate::math::stats::Summary| (s.sd * s.sd, s.sd * s.sd * (2.0 / (s.n as f64 - 1.0)).sqrt());
+    let of_levels = |s: &Summary| (s.sd * s.sd, s.sd * s.sd * (2.0 / (s.n as f64 - 1.0)).sqrt());
     let levels: Vec<(f64, f64)> = q.levels.iter().map(of_levels).collect();
     let terms: Vec<(f64, f64)> = q.terms.iter().skip(1).map(|t| (t.variance, t.variance_se)).collect();
     let curves = vec![curve(study, "V[Y_l]", 0, &levels), curve(study, "V[Y_l - Y_(l-1)]", 1, &terms)];
-    by_level(format!("Variance of the {name}"), format!("log2 of the variance (({unit})2)"), curves)
+    by_level(format!("Variance of the {name}"), format!("log2 of the variance ({unit} squared)"), curves)
 }
 
 fn means(study: &Study, q: &Quantity) -> SeriesPlot {
@@ -103,7 +103,7 @@ fn cost_against_error(study: &Study, q: &Quantity) -> SeriesPlot {
     SeriesPlot {
         title: Some("Error against the finest level, for a CPU time".to_owned()),
         x: AxisSpec::log("CPU time (s)"),
-        y: AxisSpec::log(format!("root of bias2 + standard error2 ({})", words(&q.name).1)),
+        y: AxisSpec::log(format!("root of bias squared + variance of the mean ({})", words(&q.name).1)),
         curves: vec![
             line("plain Monte Carlo, finest level", &plain),
             line("best split", &least),

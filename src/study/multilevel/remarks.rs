@@ -2,7 +2,7 @@
 
 use super::{
     Quantity, Study,
-    text::{rate, words},
+    text::{rate, seconds, words},
 };
 use crate::math::stats::Bias;
 
@@ -10,7 +10,7 @@ use crate::math::stats::Bias;
 pub fn remarks(study: &Study) -> Vec<String> {
     let Some(main) = study.quantities.first() else { return Vec::new() };
     let mut all = vec![bias(study, main), rates(study, main), best(study, main)];
-    all.extend(study.quantities.iter().map(|q| coupling(q)));
+    all.extend(study.quantities.iter().map(coupling));
     all.push(allocation(study));
     all.push(spent(study, main));
     all.extend(study.quantities.iter().filter_map(lacking));
@@ -69,7 +69,7 @@ fn best(study: &Study, q: &Quantity) -> String {
     let told = |k: Option<usize>| {
         offer(k).map_or("none".to_owned(), |o| {
             let (n, cpu) = (o.realisations.unwrap_or_default(), o.cpu_s.unwrap_or_default());
-            format!("{n} realisations at {}, {cpu:.0} CPU s", o.label)
+            format!("{n} realisations at {}, {} CPU s", o.label, seconds(cpu))
         })
     };
     let sure = match (study.split.best, study.split.best_sure) {
@@ -77,11 +77,11 @@ fn best(study: &Study, q: &Quantity) -> String {
         (_, b) => format!("its bias is not known well enough to be sure of it; the cheapest that is: {}", told(b)),
     };
     format!(
-        "{goal}: plain Monte Carlo on the finest level {:.0} CPU s ({} realisations); best split {} ({sure}); multilevel {:.0} CPU s",
-        study.forecast.plain_cpu_s,
+        "{goal}: plain Monte Carlo on the finest level {} CPU s ({} realisations); best split {} ({sure}); multilevel {} CPU s",
+        seconds(study.forecast.plain_cpu_s),
         study.forecast.plain_realisations,
         told(study.split.best),
-        study.forecast.cpu_s
+        seconds(study.forecast.cpu_s)
     )
 }
 
@@ -91,7 +91,11 @@ fn coupling(q: &Quantity) -> String {
     let figures: Vec<String> = q
         .terms
         .iter()
-        .filter_map(|t| Some(format!("{:.2} (V_l / V = {:.2})", t.correlation?.r, t.variance / t.fine_variance)))
+        .skip(1)
+        .map(|t| {
+            let r = t.correlation.map_or("unknown".to_owned(), |c| format!("{:.2}", c.r));
+            format!("{r} (V_l / V = {:.2})", t.variance / t.fine_variance)
+        })
         .collect();
     let range = q.cost_ratio_interval.map_or(String::new(), |[a, b]| format!(" ({a:.2} to {b:.2})"));
     let verdict = match q.cost_ratio_interval {
@@ -116,8 +120,12 @@ fn allocation(study: &Study) -> String {
 fn spent(study: &Study, q: &Quantity) -> String {
     let (_, unit) = words(&q.name);
     format!(
-        "multilevel mean {:.2} +- {:.2} {unit} from {:.0} CPU s; plain Monte Carlo on the finest level would take {:.0} CPU s for this standard error; the study took {:.0} CPU s in all",
-        q.mean, q.mean_se, q.cpu_s, q.plain_cpu_s, study.spent_cpu_s
+        "multilevel mean {:.2} +- {:.2} {unit} from {} CPU s; plain Monte Carlo on the finest level would take {} CPU s for this standard error; the study took {} CPU s in all",
+        q.mean,
+        q.mean_se,
+        seconds(q.cpu_s),
+        seconds(q.plain_cpu_s),
+        seconds(study.spent_cpu_s)
     )
 }
 

@@ -116,7 +116,7 @@ fn offer(
     })
 }
 
-/// E[Y of the setting] - E[Y_L]: its difference from its own level, and from there up the levels.
+/// Mean at the setting less `E[Y_L]`: its difference from its own level, and from there up the levels.
 fn bias(runs: &Runs<'_>, (k, setting): (usize, &Setting), quantity: &Quantity) -> Option<(f64, f64)> {
     let above = quantity.terms.get(setting.level + 1..)?;
     let (mut bias, mut variance) = (-above.iter().map(|t| t.mean).sum::<f64>(), 0.0);
@@ -125,7 +125,9 @@ fn bias(runs: &Runs<'_>, (k, setting): (usize, &Setting), quantity: &Quantity) -
         let (own, level, _) = runs.both(setting.level, [k, setting.level], &quantity.name);
         let d = Paired::of(&level, &own)?;
         bias += d.mean;
-        variance += d.mean_se.powi(2);
+        // where no pair differs, as if one did, by one standard deviation: s / n
+        let least = if d.sd > 0.0 { 0.0 } else { Summary::of(&level).map_or(0.0, |s| s.sd / s.n as f64) };
+        variance += d.mean_se.max(least).powi(2);
     }
     Some((bias, variance.sqrt()))
 }

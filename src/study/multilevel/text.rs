@@ -83,22 +83,25 @@ fn split(study: &Study) -> String {
     );
     for (k, o) in study.split.offers.iter().enumerate() {
         let n = o.realisations.map_or("-".to_owned(), |n| n.to_string());
-        let cpu = o.cpu_s.map_or("-".to_owned(), |s| format!("{s:.1}"));
+        let cpu = o.cpu_s.map_or("-".to_owned(), seconds);
         let mark = if study.split.best == Some(k) { " <- cheapest" } else { "" };
         let bias = with_error(o.bias, o.bias_se);
         text += &format!(
-            "{:<26} {:>6} {:>12.3} {:>8.2} {bias:>16} {n:>8} {cpu:>12} {:>6}{mark}\n",
+            "{:<26} {:>6} {:>12} {:>8.2} {bias:>16} {n:>8} {cpu:>12} {:>6}{mark}\n",
             o.label,
             o.runs,
-            o.run_cpu_s,
+            seconds(o.run_cpu_s),
             o.sd,
             if o.sure { "yes" } else { "no" }
         );
     }
     for b in &study.split.budgets {
         text += &format!(
-            "least error for {:>8.4} CPU s: {:.2} with {} ({} realisations)\n",
-            b.cpu_s, b.error, b.label, b.realisations
+            "least error for {} CPU s: {:.2} with {} ({} realisations)\n",
+            seconds(b.cpu_s),
+            b.error,
+            b.label,
+            b.realisations
         );
     }
     text + "\n"
@@ -124,6 +127,12 @@ fn comparison(study: &Study) -> String {
     text +=
         &format!("{label:<38} {:>22} {:>12.1} {plain:>22} {:>12.1}\n\n", counts(&done), main.cpu_s, main.plain_cpu_s);
     text
+}
+
+/// A time to two or more figures (s).
+pub fn seconds(s: f64) -> String {
+    let decimals = if s > 0.0 { (1.0 - s.log10().floor()).clamp(0.0, 6.0) as usize } else { 0 };
+    format!("{s:.decimals$}")
 }
 
 /// A rate with its interval.
