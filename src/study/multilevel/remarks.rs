@@ -28,9 +28,13 @@ fn bias(study: &Study, q: &Quantity) -> String {
     let (name, unit) = words(&q.name);
     let finest = study.settings.get(q.levels.len() - 1).map_or("", |s| s.label.as_str());
     match q.bias {
-        Bias::Decays { to_limit, standard_error, .. } => format!(
-            "{name}: the differences between levels decay; the limit lies {to_limit:.2} +- {standard_error:.2} {unit} from the mean at {finest}"
-        ),
+        Bias::Decays { to_limit, standard_error, .. } => {
+            let kept = study.target.bias_share.sqrt() * study.target.error;
+            let enough = if to_limit.abs() > kept { "more than" } else { "within" };
+            format!(
+                "{name}: the differences between levels decay; the limit lies {to_limit:.2} +- {standard_error:.2} {unit} from the mean at {finest}, {enough} the {kept:.2} {unit} that the target keeps for it; all costs here are for the mean at {finest}"
+            )
+        }
         Bias::Unresolved { bound } => format!(
             "{name}: the last difference between levels is not told from 0 and is at most {bound:.2} {unit}; so is the bias at {finest}, if differences at least halve from level to level, which these runs do not show"
         ),
