@@ -47,7 +47,7 @@ error: unknown key `material.clay.cohesin`
  --> --set:1:15
   |
 1 | material.clay.cohesin=18
-  |               ^^^^^^^ `material.clay` with \"von_mises\" takes law, unit_weight, density, young_modulus, poisson_ratio, cohesion, residual_cohesion, softening_modulus, yield_constant, strength_measure
+  |               ^^^^^^^ `material.clay` with \"von_mises\" takes law, unit_weight, density, young_modulus, poisson_ratio, cohesion, residual_cohesion, softening_modulus, yield_constant, strength_measure, regularisation, reference_length, nonlocal_weight
   |
   = help: did you mean `cohesion`?
 "
