@@ -21,7 +21,7 @@ use rmpm::{
     math::simd::FpPath,
     nodes::Nodes,
     space::{Grid, Linear, grid::Side},
-    transfer::Push,
+    transfer::{Carrier, Push, Transfer},
 };
 use scalar::{Hencky, Law, Rate, Scalar};
 
@@ -118,7 +118,8 @@ fn hand_step(body: &mut Body, nodes: &mut Nodes, scratch: &mut Scratch<4>, path:
     nodes.begin();
     path.run(Scatter { scratch, body, nodes, cells: None, shape: Linear });
     std::hint::black_box(move_nodes(nodes));
-    path.run(Push::<_, 4, true> { scratch, body, nodes, dt: DT, pic: 0.0, shape: Linear }).expect("points stay");
+    let pass = Push { scratch, body, nodes, dt: DT, remap: true, shape: Linear };
+    Carrier::new(Transfer::Flip { pic_rate: 0.0 }).push(pass, path).expect("points stay");
     let n = nodes.count;
     for axis in 0..2 {
         let Nodes { strain_velocity, momentum, mass, .. } = &mut *nodes;

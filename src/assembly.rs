@@ -4,6 +4,7 @@
 //! stay in the first-level cache ([`Scratch`]); a pass is instantiated once per shape function,
 //! and the law sits behind one virtual call a block.
 
+pub mod affine;
 pub mod cells;
 pub mod nonlocal;
 pub mod response;
@@ -200,6 +201,7 @@ pub fn deposit<const N: usize>(column: &mut [f64], slots: &[usize; N], values: [
 /// ```text
 /// m_i = sum N_i m_p,   (m v)_i = sum N_i m_p v_p,   f_i = - sum sigma_p grad N_i J_p V0_p
 /// ```
+/// Where points carry an affine velocity, its momentum is added (see [`affine`]).
 pub struct Scatter<'a, S, const N: usize> {
     pub scratch: &'a mut Scratch<N>,
     pub body: &'a Body,
@@ -231,6 +233,11 @@ impl<S: Shape<N>, const N: usize> Kernel for Scatter<'_, S, N> {
                 }
                 load_motion(s, body, &range);
                 shares(s);
+                if !body.committed.affine.is_empty() {
+                    let [_, px, py, ..] = &mut s.shares;
+                    let c = affine::committed(body, &range);
+                    affine::add::<S, N>([px, py], &s.stencil, &s.mass.0, &c, nodes.grid.h);
+                }
                 s.stencil.find_runs(range.len());
                 for run in s.stencil.runs() {
                     let slots = nodes.patch(run.base, &offsets);

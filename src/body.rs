@@ -33,6 +33,9 @@ pub struct State {
     pub acceleration: Vec<Strip>,
     /// Total deformation gradient: xx, xy, yx, yy; no column unless domains are tracked.
     pub deformation: Vec<Strip>,
+    /// C, the gradient of the velocity that a point carries (1/s): xx, xy, yx, yy; no column unless the
+    /// transfer is affine.
+    pub affine: Vec<Strip>,
 }
 
 impl State {
@@ -45,6 +48,7 @@ impl State {
             .chain(&mut self.history)
             .chain(&mut self.acceleration)
             .chain(&mut self.deformation)
+            .chain(&mut self.affine)
     }
 
     /// Zeros for `n` points; the columns are numbered from `first`.
@@ -153,6 +157,19 @@ impl Body {
         }
     }
 
+    /// Keeps C from now on, starting from one a point, in the order of the identities.
+    pub fn track_affine(&mut self, start: &[[f64; 4]]) {
+        let n = self.len();
+        for (state, first) in [(&mut self.committed, 3), (&mut self.trial, 7)] {
+            state.affine = (0..4).map(|k| Strip::new(n, 0.0, first + k)).collect();
+        }
+        for (i, &id) in self.id.iter().enumerate() {
+            for (column, c) in self.committed.affine.iter_mut().zip(start[id as usize]) {
+                column[i] = c;
+            }
+        }
+    }
+
     fn push_group(&mut self, seed: GroupSeed) {
         let start = self.reference.len();
         for (k, p) in seed.points.iter().enumerate() {
@@ -201,7 +218,7 @@ impl Body {
 
     /// Starts a new phase from here: velocities to zero, displacements counted from now.
     pub fn restart_from_here(&mut self) {
-        self.committed.v.iter_mut().for_each(|v| v.fill(0.0));
+        self.committed.v.iter_mut().chain(&mut self.committed.affine).for_each(|v| v.fill(0.0));
         self.committed.acceleration.clear();
         for (i, &id) in self.id.iter().enumerate() {
             self.reference[id as usize] = [self.committed.x[0][i], self.committed.x[1][i]];
@@ -350,10 +367,8 @@ impl Body {
             .iter()
             .flat_map(|g| g.params.iter().map(|c| if let Column::Varying(v) = c { v.len() } else { 0 }))
             .sum();
-        let state = 9 + [&self.committed.history, &self.committed.acceleration, &self.committed.deformation]
-            .map(Vec::len)
-            .iter()
-            .sum::<usize>();
+        let c = &self.committed;
+        let state = 9 + [&c.history, &c.acceleration, &c.deformation, &c.affine].map(Vec::len).iter().sum::<usize>();
         let fixed = (2 * state + 3) * 8 + 8 + 4 + 16;
         fixed as f64 + varying as f64 * 8.0 / self.len().max(1) as f64
     }

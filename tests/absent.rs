@@ -149,6 +149,19 @@ fn only_shapes_with_domains_store_the_deformation() {
 }
 
 #[test]
+fn only_apic_stores_the_gradient_of_the_velocity() {
+    let bytes = |key: &str| {
+        let mut sim = simulation(SLOPE, &["grid.cell=0.5", &format!("solver.transfer={key}")]);
+        advance(&mut sim, 2);
+        (sim.body.bytes_per_point(), sim.bytes())
+    };
+    let (flip, apic, xpic) = (bytes("flip"), bytes("apic"), bytes("xpic"));
+    // four columns in the committed and four in the trial state
+    assert_eq!((apic.0 - flip.0, xpic.0 - flip.0), (64.0, 0.0));
+    assert!(xpic.1 > flip.1, "the columns of the filter are counted");
+}
+
+#[test]
 fn uniform_strength_is_not_stored_and_jittered_strength_is() {
     let uniform = simulation(SLOPE, &["grid.cell=0.5"]);
     let jittered = simulation(SLOPE, &["grid.cell=0.5", "jitter.strength=0.0005"]);

@@ -101,6 +101,13 @@ fn no_step_allocates_with_nonlocal_softening() {
 }
 
 #[test]
+fn no_step_allocates_with_other_transfers() {
+    for keys in [["solver.transfer=apic", "solver.shape=bspline"], ["solver.transfer=xpic", "solver.xpic_order=3"]] {
+        run_through_failure(&[&["grid.cell=0.5", "gravity.schedule=at_once"][..], &keys].concat(), 1500);
+    }
+}
+
+#[test]
 fn no_step_allocates_with_every_effect() {
     let keys = [
         "grid.cell=0.5",

@@ -11,6 +11,7 @@ use rmpm::{
         Integrator,
         explicit::{Explicit, Settings, StressUpdate},
     },
+    transfer::Transfer,
     work::Work,
 };
 use support::SLOPE;
@@ -43,7 +44,13 @@ fn integrator(grid: Grid, stress_update: StressUpdate, shape: &str) -> Box<dyn I
 }
 
 fn explicit<S: Shape<N>, const N: usize>(shape: S, grid: Grid, stress_update: StressUpdate) -> Box<dyn Integrator> {
-    let settings = Settings { stress_update, pic_rate: 0.5, courant: 0.25, mass_floor: 1e-3, smooth: false };
+    let settings = Settings {
+        stress_update,
+        transfer: Transfer::Flip { pic_rate: 0.5 },
+        courant: 0.25,
+        mass_floor: 1e-3,
+        smooth: false,
+    };
     Box::new(Explicit::new(shape, grid, settings, effects()))
 }
 

@@ -47,12 +47,12 @@ fn the_implicit_scheme_gives_the_same_bits() {
 }
 
 /// The processes of the paths print a digest each: of both laws, softening on both, and
-/// of the wider shape functions.
+/// of the wider shape functions, and of the transfers.
 #[test]
 fn every_instruction_path_gives_the_same_bits() {
     let best = digests_of_a_process(None);
     let baseline = digests_of_a_process(Some("baseline"));
-    assert_eq!(best.len(), 5);
+    assert_eq!(best.len(), 7);
     assert_eq!(best, baseline);
 }
 
@@ -85,6 +85,8 @@ fn helper_prints_digests() {
         "solver.shape=gimp",
         "solver.shape=gimp_wide",
         "solver.shape=bspline",
+        "solver.transfer=apic",
+        "solver.transfer=xpic",
     ];
     for choice in choices {
         println!("digest {:016x}", digest(&through_failure(&[choice])));

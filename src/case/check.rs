@@ -7,7 +7,7 @@ use super::log::{Log, Problem};
 use super::outline::place;
 use super::source::Span;
 use super::suggest;
-use super::{Case, Grid, Material, Region, RegionShape, Scheme, ShapeFunctions};
+use super::{Case, Grid, Material, Region, RegionShape, Scheme, ShapeFunctions, Transfer};
 use crate::math::polygon::Point;
 
 /// Most cells of a grid.
@@ -180,15 +180,19 @@ impl Grid {
 
 impl Case {
     /// A rough upper bound on the memory of a run (bytes): 4 per node of the grid and 700 per
-    /// point, the points counted from the area of the regions plus a tenth for cut cells; with the
+    /// point, 64 more for the columns of APIC, the points counted from the area of the regions plus a tenth for cut cells; with the
     /// implicit scheme also its equations, by the cell.
     pub fn memory_estimate_bytes(&self) -> u64 {
         let [nx, ny] = self.grid.cells();
         let area: f64 = self.region.iter().map(|region| region.shape.area()).sum();
         let per_cell = (self.points.per_axis * self.points.per_axis) as f64;
         let full_cells = 1.1 * area / (self.grid.cell * self.grid.cell);
-        let soil = full_cells * (700.0 * per_cell + self.equations_bytes_per_cell());
+        let soil = full_cells * (self.bytes_per_point() * per_cell + self.equations_bytes_per_cell());
         (4.0 * (nx + 1.0) * (ny + 1.0) + soil) as u64
+    }
+
+    fn bytes_per_point(&self) -> f64 {
+        if self.solver.transfer == Transfer::Apic { 764.0 } else { 700.0 }
     }
 
     /// Stencils, tangent and factors, measured at 11,000 cells with room for LU; they grow a little

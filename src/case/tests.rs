@@ -41,14 +41,20 @@ fn keys_left_out_have_the_documented_defaults() {
     let points = Points { layout: Layout::Gauss, per_axis: 2, cut_cells: CutCells::Full };
     assert_eq!(case.points, points);
     assert_eq!(case.solver.kinematics, Kinematics::Hencky);
-    let explicit =
-        Explicit { stress_update: StressUpdate::Musl, pic_rate: 0.5, courant: 0.25, time_step: None, mass_floor: 0.0 };
+    let explicit = Explicit {
+        stress_update: StressUpdate::Musl,
+        pic_rate: Some(0.5),
+        courant: 0.25,
+        time_step: None,
+        mass_floor: 0.0,
+    };
     assert_eq!(case.explicit, explicit);
     let solver = Solver {
         scheme: Scheme::Explicit,
         kinematics: Kinematics::Hencky,
         locking: Locking::None,
         shape: ShapeFunctions::Linear,
+        transfer: Transfer::Flip,
     };
     assert_eq!((case.solver, case.load, case.drive), (solver, vec![], vec![]));
     assert_eq!(case.gravity.schedule, GravitySchedule::Ramp { ramp_time: 5.0 });
@@ -74,7 +80,7 @@ fn the_implicit_keys_have_the_documented_defaults() {
         absolute_residual: None,
         max_iterations: 12,
         line_search: true,
-        pic_rate: 0.5,
+        pic_rate: Some(0.5),
         ordering: Ordering::Auto,
         unsymmetric: Unsymmetric::Auto,
         ghost_stiffness: 0.0,
@@ -182,6 +188,27 @@ fn shape_functions_come_back_from_the_resolved_text() {
         assert_eq!(read("case.toml", &case.to_toml(), &[]).map(|(c, _)| c).ok(), Some(case));
     }
     assert!(with(&["solver.shape=spline"]).expect_err("not there").contains("gimp_wide"));
+}
+
+#[test]
+fn transfers_come_back_from_the_resolved_text_with_the_keys_that_are_theirs() {
+    let of = |keys: &[&str]| with(keys).expect("a valid case");
+    assert_eq!(of(&["solver.transfer=xpic"]).solver.transfer, Transfer::Xpic { xpic_order: 5 });
+    for keys in [&["solver.transfer=apic"][..], &["solver.transfer=xpic", "solver.xpic_order=2"]] {
+        let case = of(keys);
+        assert_eq!((case.explicit.pic_rate, case.implicit.pic_rate), (None, None));
+        assert!(!case.to_toml().contains("pic_rate"));
+        assert_eq!(read("case.toml", &case.to_toml(), &[]).map(|(c, _)| c).ok(), Some(case));
+    }
+    assert_eq!(of(&["solver.transfer=apic"]).explicit.mass_floor, 1e-3);
+    let grown = of(&["solver.transfer=apic"]).memory_estimate_bytes() - of(&[]).memory_estimate_bytes();
+    assert!(grown > 0, "the columns of APIC are counted");
+    let slope = include_str!("../../cases/clay-slope.toml");
+    let lapsed = read("slope", slope, &["solver.transfer=apic".to_owned()]).expect("the rate of the file lapses").0;
+    assert_eq!(lapsed.explicit.pic_rate, None);
+    for wrong in [&["solver.transfer=apic", "explicit.pic_rate=0.5"][..], &["solver.xpic_order=3"]] {
+        assert!(with(wrong).expect_err("of another transfer").contains("has no meaning with"), "{wrong:?}");
+    }
 }
 
 #[test]

@@ -262,7 +262,7 @@ fn body(
     drawn: &[Drawn],
     factor: f64,
 ) -> Result<(Body, u64), SceneError> {
-    let mut groups = Vec::new();
+    let (mut groups, mut gradients) = (Vec::new(), Vec::new());
     let (mut first, mut limited) = (0, 0);
     for (index, (name, material)) in case.material.iter().enumerate() {
         let seeds: Vec<&Seed> = seeding.points.iter().filter(|s| &case.region[s.region].material == name).collect();
@@ -277,9 +277,14 @@ fn body(
             params,
             points: seeds.iter().zip(&points).map(|(s, m)| seedling(case, outlines, s, m)).collect(),
         });
+        gradients.extend(seeds.iter().map(|s| velocity_gradient(&case.region[s.region], s.x)));
         first += seeds.len();
     }
-    Ok((Body::new(groups), limited))
+    let mut body = Body::new(groups);
+    if case.solver.transfer == case::Transfer::Apic {
+        body.track_affine(&gradients);
+    }
+    Ok((body, limited))
 }
 
 fn seedling(case: &Case, outlines: &[Outline], seed: &Seed, material: &case::Material) -> Seedling {
@@ -305,6 +310,24 @@ fn initial_velocity(region: &case::Region, x: [f64; 2]) -> [f64; 2] {
         v[1] += wave.amplitude[1] * phase;
     }
     v
+}
+
+/// Gradient of [`initial_velocity`] (1/s): xx, xy, yx, yy.
+fn velocity_gradient(region: &case::Region, x: [f64; 2]) -> [f64; 4] {
+    let mut c = [0.0; 4];
+    if let Some(spin) = &region.spin {
+        c[1] -= spin.rate;
+        c[2] += spin.rate;
+    }
+    if let Some(wave) = &region.wave {
+        let [k, l] = wave.wave_number;
+        let slope = (k * x[0] + l * x[1]).cos();
+        for row in 0..2 {
+            c[2 * row] += wave.amplitude[row] * k * slope;
+            c[2 * row + 1] += wave.amplitude[row] * l * slope;
+        }
+    }
+    c
 }
 
 /// Length of an elastic in-situ phase (s); 0 without one.

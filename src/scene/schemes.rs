@@ -13,6 +13,7 @@ use crate::{
         explicit::{self, StressUpdate},
         implicit::{self, Regime},
     },
+    transfer::Transfer,
 };
 
 /// Of the explicit scheme.
@@ -23,10 +24,19 @@ pub fn explicit(case: &Case) -> explicit::Settings {
             case::StressUpdate::Musl => StressUpdate::Musl,
             case::StressUpdate::Usl => StressUpdate::Usl,
         },
-        pic_rate: e.pic_rate,
+        transfer: transfer(case, e.pic_rate),
         courant: e.courant,
         mass_floor: e.mass_floor,
         smooth: case.solver.locking == case::Locking::BBar,
+    }
+}
+
+/// The transfer, with the rate of PIC of the scheme (1/s): 0 where the case has none.
+fn transfer(case: &Case, pic_rate: Option<f64>) -> Transfer {
+    match case.solver.transfer {
+        case::Transfer::Flip => Transfer::Flip { pic_rate: pic_rate.unwrap_or(0.0) },
+        case::Transfer::Apic => Transfer::Apic,
+        case::Transfer::Xpic { xpic_order } => Transfer::Xpic { order: xpic_order },
     }
 }
 
@@ -48,7 +58,7 @@ pub fn implicit(case: &Case, body: &Body) -> implicit::Settings {
         min_time_step: i.min_time_step,
         smooth: case.solver.locking == case::Locking::BBar,
         tolerance: i.tolerance,
-        pic_rate: i.pic_rate,
+        transfer: transfer(case, i.pic_rate),
         solver: Options {
             ordering: match i.ordering {
                 case::Ordering::Auto => Ordering::Auto,

@@ -21,7 +21,7 @@ use crate::{
         flows::{self, Flows},
         load::{PointForces, Spread, gather},
     },
-    transfer::Push,
+    transfer::{Carrier, Push, Transfer},
     work::Work,
 };
 
@@ -38,8 +38,7 @@ pub enum StressUpdate {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     pub stress_update: StressUpdate,
-    /// Rate of PIC (1/s).
-    pub pic_rate: f64,
+    pub transfer: Transfer,
     /// Safety factor on the Courant step.
     pub courant: f64,
     /// Nodes lighter than this fraction of the mean point mass are accelerated as if they had it.
@@ -48,11 +47,20 @@ pub struct Settings {
     pub smooth: bool,
 }
 
+impl Settings {
+    /// Whether the velocity that strains the points has been to the points and back and is smoother for it:
+    /// not with USL, and not with APIC, which maps what is linear over a patch whole.
+    fn smooths(&self) -> bool {
+        self.stress_update == StressUpdate::Musl && self.transfer != Transfer::Apic
+    }
+}
+
 /// The integrator for shapes with `N` nodes a point.
 pub struct Explicit<S, const N: usize> {
     shape: S,
     settings: Settings,
     nodes: Nodes,
+    carrier: Carrier,
     scratch: Box<Scratch<N>>,
     effects: Vec<Box<dyn Effect>>,
     lists: StageLists,
@@ -108,6 +116,7 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
             shape,
             settings,
             nodes: Nodes::new(grid),
+            carrier: Carrier::new(settings.transfer),
             scratch: Box::default(),
             effects,
             lists,
@@ -210,17 +219,13 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
     }
 
     fn push(&mut self, body: &mut Body, dt: f64) -> Result<(), Fault> {
-        let pic = -(-self.settings.pic_rate * dt).exp_m1();
-        let Explicit { scratch, nodes, shape, path, settings, .. } = self;
-        let (scratch, shape) = (scratch.as_mut(), *shape);
-        match settings.stress_update {
-            StressUpdate::Musl => {
-                let n = nodes.count;
-                nodes.momentum.iter_mut().for_each(|m| m[..n].fill(0.0));
-                path.run(Push::<S, N, true> { scratch, body, nodes, dt, pic, shape })
-            }
-            StressUpdate::Usl => path.run(Push::<S, N, false> { scratch, body, nodes, dt, pic, shape }),
+        let Explicit { scratch, nodes, carrier, shape, path, settings, .. } = self;
+        let remap = settings.stress_update == StressUpdate::Musl;
+        if remap {
+            let n = nodes.count;
+            nodes.momentum.iter_mut().for_each(|m| m[..n].fill(0.0));
         }
+        carrier.push(Push { scratch: scratch.as_mut(), body, nodes, dt, remap, shape: *shape }, *path)
     }
 
     /// The velocity that strains the points.
@@ -371,6 +376,9 @@ impl<S: Shape<N>, const N: usize> Integrator for Explicit<S, N> {
     ///   velocity than USL strains with: a mode that it does not keep at all is stable only to
     ///   sqrt(2 / lambda).
     ///
+    /// XPIC keeps less than FLIP, so its kappa_i counts twice with MUSL too. APIC maps what is linear over a
+    /// patch to the points and back whole, so that MUSL is USL, with the kappa_i of that.
+    ///
     /// The validation problem `courant` holds both against the exact limit.
     fn stable_dt(&mut self, body: &Body) -> Option<f64> {
         let kappa = self.largest_kappa(body);
@@ -408,6 +416,7 @@ impl<S: Shape<N>, const N: usize> Integrator for Explicit<S, N> {
             + 15 * 8 * self.nodes.id.capacity()
             + loads
             + averages
+            + self.carrier.bytes()
             + self.cells.as_ref().map_or(0, |c| c.bytes())
     }
 }
@@ -419,10 +428,16 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
         let n = self.collect_balance(body);
         let NodeBalance { stiffness, squares, mass, .. } = self.balance.as_ref();
         let floor = self.settings.mass_floor * body.total_mass() / body.len().max(1) as f64;
-        let kappa = |i: usize| match self.settings.stress_update {
-            _ if S::BARE_NODES && mass[i] == 0.0 => 0.0,
-            StressUpdate::Musl => stiffness[i] * squares[i] / (mass[i] * mass[i]),
-            StressUpdate::Usl => 2.0 * stiffness[i] / mass[i].max(floor),
+        let (smooth, kept) = (self.settings.smooths(), matches!(self.settings.transfer, Transfer::Flip { .. }));
+        let times = if smooth && kept { 1.0 } else { 2.0 };
+        let kappa = |i: usize| {
+            if S::BARE_NODES && mass[i] == 0.0 {
+                0.0
+            } else if smooth {
+                times * (stiffness[i] * squares[i] / (mass[i] * mass[i]))
+            } else {
+                times * stiffness[i] / mass[i].max(floor)
+            }
         };
         (0..n).map(kappa).fold(0.0, f64::max)
     }
@@ -430,7 +445,7 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
     /// Sums of stiffness (see [`Integrator::stable_dt`]), N^2 m and N m on the nodes.
     fn collect_balance(&mut self, body: &Body) -> usize {
         let Explicit { nodes, balance, scratch, path, settings, .. } = self;
-        let (rows, balance) = (settings.stress_update == StressUpdate::Usl, balance.as_mut());
+        let (rows, balance) = (!settings.smooths(), balance.as_mut());
         path.run(Balance::<S, N> { scratch: scratch.as_mut(), body, nodes, balance, rows, shape: PhantomData });
         nodes.count
     }
@@ -442,7 +457,7 @@ struct Balance<'a, S, const N: usize> {
     body: &'a Body,
     nodes: &'a mut Nodes,
     balance: &'a mut NodeBalance,
-    /// Row sums of the stiffness instead of its diagonal (USL).
+    /// Row sums of the stiffness instead of its diagonal (USL, APIC).
     rows: bool,
     shape: PhantomData<S>,
 }

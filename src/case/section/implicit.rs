@@ -4,6 +4,7 @@ use crate::case::cursor::Cursor;
 use crate::case::keys::{Keys, Variant};
 use crate::case::limits::{Limits, between, figure, not_negative};
 use crate::case::log::Problem;
+use crate::case::section::solver::{Chosen, pic_rate};
 use crate::case::{Implicit, Inertia, Ordering, Regime, Unsymmetric};
 
 const REGIMES: &[Variant] = &[
@@ -22,7 +23,7 @@ const FIRST: f64 = 0.02;
 const CUTS: f64 = 1024.0;
 
 /// Reads `[implicit]`.
-pub(super) fn implicit(root: &mut Keys<'_>) -> Option<Implicit> {
+pub(super) fn implicit(root: &mut Keys<'_>, chosen: Option<&Chosen>) -> Option<Implicit> {
     let mut keys = root.section("implicit")?;
     let regime = regime(&mut keys);
     let steps = steps(&mut keys);
@@ -31,7 +32,7 @@ pub(super) fn implicit(root: &mut Keys<'_>) -> Option<Implicit> {
     let absolute_residual = keys.optional("absolute_residual", |c| c.number(not_negative("kN/m")));
     let max_iterations = keys.or("max_iterations", 12, |c| c.whole(1, 1000));
     let line_search = keys.or("line_search", true, |c| c.flag());
-    let pic_rate = keys.or("pic_rate", 0.5, |c| c.number(between(0.0, 1e6, "1/s")));
+    let pic_rate = pic_rate(&mut keys, chosen);
     let ordering = keys.or("ordering", Ordering::Auto, ordering);
     let unsymmetric = keys.or("unsymmetric", Unsymmetric::Auto, unsymmetric);
     let ghost_stiffness = keys.or("ghost_stiffness", 0.0, |c| c.number(between(0.0, 10.0, "")));

@@ -41,8 +41,9 @@ fn tables(log: &Log, keys: &mut Keys<'_>) -> Option<Case> {
     let grid = grid::grid(keys);
     let points = grid::points(keys);
     let solver = solver::solver(keys);
-    let explicit = solver::explicit(keys);
-    let implicit = implicit::implicit(keys);
+    let chosen = solver.as_ref().map(|solver| solver::Chosen::new(keys, solver));
+    let explicit = solver::explicit(keys, chosen.as_ref());
+    let implicit = implicit::implicit(keys, chosen.as_ref());
     let gravity = gravity::gravity(keys);
     let initial_stress = gravity::initial_stress(keys);
     let damping = run::damping(keys);

@@ -25,25 +25,15 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
         if let Some((w, inertia)) = weights.zip(self.inertia.as_mut()) {
             inertia.finish(&mut self.nodes, &self.system, &w);
         }
-        let pic = -(-self.settings.pic_rate * clock.dt).exp_m1();
         let moving = weights.is_some();
         let unbound = !body.groups.iter().any(|g| g.law.finite());
-        let Implicit { scratch, nodes, kept, system, inertia, path, shape, .. } = self;
+        let Implicit { scratch, nodes, carrier, kept, system, inertia, path, shape, .. } = self;
         let shape = *shape;
         let none = Default::default();
         let acceleration = inertia.as_ref().map_or(&none, |i| &i.start);
-        path.run(Carry {
-            scratch: scratch.as_mut(),
-            body,
-            nodes,
-            kept,
-            system,
-            moving,
-            unbound,
-            acceleration,
-            pic,
-            shape,
-        })
+        let scratch = scratch.as_mut();
+        let pass = Carry { scratch, body, nodes, kept, system, moving, unbound, acceleration, shape };
+        carrier.carry(pass, clock.dt, *path)
     }
 
     /// Compares the local error of the step with the tolerance.

@@ -25,6 +25,7 @@ use crate::{
     space::{Grid, Shape},
     step::{Books, Event, Flows, Integrator, Report, load},
     system::System,
+    transfer::{Carrier, Transfer},
     work::Work,
 };
 
@@ -50,8 +51,7 @@ pub struct Settings {
     pub smooth: bool,
     /// Local error of the displacement allowed in a step, in cells; `None`: not looked at.
     pub tolerance: Option<f64>,
-    /// Rate of PIC (1/s).
-    pub pic_rate: f64,
+    pub transfer: Transfer,
     pub solver: Options,
 }
 
@@ -60,6 +60,7 @@ pub struct Implicit<S, const N: usize> {
     shape: S,
     settings: Settings,
     nodes: Nodes,
+    carrier: Carrier,
     scratch: Box<Scratch<N>>,
     kept: Kept<N>,
     system: System,
@@ -118,6 +119,7 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
             shape,
             settings,
             nodes: Nodes::new(grid),
+            carrier: Carrier::new(settings.transfer),
             scratch: Box::default(),
             kept,
             system: System::default(),
@@ -212,7 +214,7 @@ impl<S: Shape<N>, const N: usize> Integrator for Implicit<S, N> {
     fn bytes(&self) -> usize {
         let nodes = 4 * self.nodes.grid.nodes() + 15 * 8 * self.nodes.id.capacity();
         let averages = self.nonlocal.as_ref().map_or(0, |n| n.bytes());
-        nodes + averages + self.kept.bytes() + self.system.bytes() + self.solver.bytes()
+        nodes + averages + self.carrier.bytes() + self.kept.bytes() + self.system.bytes() + self.solver.bytes()
     }
 
     fn phases(&self) -> Vec<(&'static str, f64)> {

@@ -4,6 +4,7 @@ use super::Implicit;
 use crate::{
     assembly::{
         Scatter,
+        affine::Spin,
         response::{Keep, Map},
     },
     body::Body,
@@ -107,12 +108,16 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
     /// Velocities of the nodes at the start, and accelerations where they are remembered. Returns
     /// whether they are to be remembered and there are none yet.
     fn map_motion(&mut self, body: &mut Body) -> bool {
-        let Implicit { scratch, kept, nodes, inertia, path, .. } = self;
-        let Nodes { old_velocity, mass, count, .. } = nodes;
+        let Implicit { scratch, kept, nodes, inertia, path, shape, .. } = self;
+        let Nodes { old_velocity, mass, count, grid, .. } = nodes;
         let (n, committed) = (*count, &body.committed);
         old_velocity.iter_mut().for_each(|v| v[..n].fill(0.0));
         let momentum = |i: usize, axis: usize| body.mass[i] * committed.v[axis][i];
         path.run(Map { scratch: scratch.as_mut(), body, kept, quantity: momentum, out: old_velocity });
+        if !committed.affine.is_empty() {
+            let (scratch, shape) = (scratch.as_mut(), *shape);
+            path.run(Spin { scratch, body, kept, out: old_velocity, h: grid.h, shape });
+        }
         divide(old_velocity, &mass[..n]);
         let Some(inertia) = inertia.as_mut().filter(|i| i.scheme.remembers()) else { return false };
         let fresh = body.committed.acceleration.is_empty();

@@ -57,7 +57,7 @@ fn integrator<S: Shape<N>, const N: usize>(shape: S, setting: Setting) -> Implic
         min_time_step: 0.0,
         smooth: setting.smooth,
         tolerance: None,
-        pic_rate: 0.0,
+        transfer: Transfer::Flip { pic_rate: 0.0 },
         solver: Options::default(),
     };
     Implicit::new(shape, grid, settings, setting.effects)
