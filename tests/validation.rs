@@ -21,6 +21,11 @@ fn vibrating_bar() {
 }
 
 #[test]
+fn long_run() {
+    holds("long-run");
+}
+
+#[test]
 fn two_discs() {
     holds("two-discs");
 }

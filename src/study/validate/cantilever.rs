@@ -26,6 +26,7 @@ struct Beam {
     cells: usize,
     /// Points an axis and cell.
     points: usize,
+    shape: &'static str,
 }
 
 impl Problem for Cantilever {
@@ -47,6 +48,7 @@ impl Problem for Cantilever {
         };
         self.refine(10.0, "v", thick, reference, report)?;
         self.few_points(reference, report)?;
+        self.splines(reference, report)?;
         self.refine(40.0, "slim", slim, reference, report)
     }
 }
@@ -63,7 +65,7 @@ impl Cantilever {
     ) -> Result<(), String> {
         let mut bent = Vec::new();
         for &cells in cells {
-            let beam = Beam { slender, cells, points: 4 };
+            let beam = Beam { slender, cells, points: 4, shape: "gimp" };
             let tip = self.bend(beam, reference, report)?;
             tip.rows(&beam.name(), reference, report)?;
             bent.push(tip);
@@ -80,7 +82,7 @@ impl Cantilever {
     /// What two points an axis and cell come to.
     fn few_points(&self, reference: &Reference, report: &mut Report) -> Result<(), String> {
         for cells in [4, 8] {
-            let beam = Beam { slender: 10.0, cells, points: 2 };
+            let beam = Beam { slender: 10.0, cells, points: 2, shape: "gimp" };
             let tip = self.bend(beam, reference, report)?;
             report.row_of(reference, "reached", &beam.name(), None, tip.share)?;
             for (k, alpha) in ALPHAS.iter().enumerate().take(tip.ways.len()) {
@@ -93,6 +95,15 @@ impl Cantilever {
                     tip.down(k) / exact,
                 )?;
             }
+        }
+        Ok(())
+    }
+
+    /// How far splines come, which do not follow the stretch of the points.
+    fn splines(&self, reference: &Reference, report: &mut Report) -> Result<(), String> {
+        for cells in [2, 4, 8] {
+            let beam = Beam { slender: 10.0, cells, points: 4, shape: "bspline" };
+            self.bend(beam, reference, report)?.rows(&beam.name(), reference, report)?;
         }
         Ok(())
     }
@@ -149,7 +160,8 @@ impl Tip {
 
 impl Beam {
     fn name(&self) -> String {
-        format!("L / d = {}, h = d/{}, {2} x {2} points", self.slender, self.cells, self.points)
+        let shape = if self.shape == "gimp" { "" } else { ", splines" };
+        format!("L / d = {}, h = d/{}, {2} x {2} points{shape}", self.slender, self.cells, self.points)
     }
 
     fn depth(&self, length: f64) -> f64 {
@@ -182,6 +194,7 @@ impl Beam {
         Ok(keys(&[
             ("grid.cell", format!("{h:?}")),
             ("points.per_axis", self.points.to_string()),
+            ("solver.shape", self.shape.to_owned()),
             ("region.beam.polygon", rectangle([0.0, 0.0], [length, d])),
             ("load.tip.box", format!("[{low:?}, {high:?}]")),
             ("load.tip.force", format!("[0.0, {:?}]", -force)),

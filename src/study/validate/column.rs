@@ -35,7 +35,8 @@ impl Problem for Column {
 
     fn fill(&self, effort: Effort, reference: &Reference, report: &mut Report) -> Result<(), String> {
         self.published(reference, report)?;
-        self.linear(effort, reference, report)?;
+        self.swept(effort, "linear", reference, report)?;
+        self.swept(effort, "bspline", reference, report)?;
         self.one_point(effort, reference, report)
     }
 }
@@ -58,16 +59,16 @@ impl Column {
         report.row(reference, "displacement_order", order(&way))
     }
 
-    /// Bilinear functions do not converge here.
-    fn linear(&self, effort: Effort, reference: &Reference, report: &mut Report) -> Result<(), String> {
+    /// Other shapes: bilinear functions do not converge here; splines do, while points tile their cells.
+    fn swept(&self, effort: Effort, shape: &str, reference: &Reference, report: &mut Report) -> Result<(), String> {
         let mut errors = Vec::new();
         for &rows in sizes(effort) {
-            let set = [("solver.shape", "linear".to_owned())];
+            let set = [("solver.shape", shape.to_owned())];
             let found = self.squeeze(rows, &set, reference, report)?;
-            report.row_of(reference, "linear", &format!("{rows} rows"), None, found.stress)?;
+            report.row_of(reference, shape, &format!("{rows} rows"), None, found.stress)?;
             errors.push((1.0 / rows as f64, found.stress));
         }
-        report.row(reference, "linear_order", order(&errors))
+        report.row(reference, &format!("{shape}_order"), order(&errors))
     }
 
     /// One point a cell: how far it comes, and with what error.

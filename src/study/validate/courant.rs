@@ -4,12 +4,12 @@
 use super::{
     Effort, Files, Problem, Report,
     measure::bisect,
-    operator::{Operator, Stiffness},
+    operator::{Operator, Stiffness, bilinear, spline},
     reference::Reference,
     setup::{Run, keys, rectangle},
 };
 use crate::{
-    case::StressUpdate,
+    case::{ShapeFunctions, StressUpdate},
     field::stream::{Purpose, Stream},
 };
 
@@ -38,22 +38,55 @@ impl Problem for Courant {
                 // the last points of the bar then lie that far past a node, alone there
                 ("one past a node", "even", 0.25 + parked),
             ] {
-                let bar = Bar { text: self.files().case, update, layout, shift, steps };
+                let bar = Bar { text: self.files().case, update, layout, shift, steps, more: &[] };
                 bar.rows(name, reference, report)?;
             }
-            self.clouds(update, effort, reference, report)?;
+            self.transfers(update, steps, reference, report)?;
+            self.clouds(update, "linear", effort, reference, report)?;
+            self.clouds(update, "bspline", effort, reference, report)?;
         }
         Ok(())
     }
 }
 
+/// Shapes and transfers whose limits are found by runs alone.
+const OTHERS: [(&str, &str); 5] =
+    [("bspline", "flip"), ("linear", "apic"), ("bspline", "apic"), ("linear", "xpic"), ("bspline", "xpic")];
+
 impl Courant {
+    /// The estimate against the limits that runs find, for a bar two cells high.
+    fn transfers(&self, update: &str, steps: usize, reference: &Reference, report: &mut Report) -> Result<(), String> {
+        for (shape, transfer) in OTHERS {
+            let more = keys(&[
+                ("solver.shape", shape.into()),
+                ("solver.transfer", transfer.into()),
+                ("grid.size", "[12.0, 2.0]".into()),
+                ("region.bar.polygon", rectangle([1.0, 0.0], [9.0, 2.0])),
+            ]);
+            let bar = Bar { text: self.files().case, update, layout: "even", shift: 0.0, steps, more: &more };
+            let found = bar.limit(reference, report)?;
+            let estimate = bar.at(None)?.sim.stable_dt().ok_or("no stable step")?;
+            let name = format!("{} {shape} {transfer}", update.to_uppercase());
+            report.row_of(reference, "found", &name, None, found)?;
+            report.row_of(reference, "safe", &name, None, estimate / found)?;
+        }
+        Ok(())
+    }
+
     /// The estimate for blocks in the plane whose points lie anywhere near their places: the
     /// worst of many.
-    fn clouds(&self, update: &str, effort: Effort, reference: &Reference, report: &mut Report) -> Result<(), String> {
+    fn clouds(
+        &self,
+        update: &str,
+        shape: &str,
+        effort: Effort,
+        reference: &Reference,
+        report: &mut Report,
+    ) -> Result<(), String> {
         let seeds = if effort == Effort::Short { 5 } else { 50 };
         let set = keys(&[
             ("explicit.stress_update", update.into()),
+            ("solver.shape", shape.into()),
             ("grid.size", "[5.0, 4.0]".into()),
             ("boundary.base", "free".into()),
             ("boundary.top", "free".into()),
@@ -67,7 +100,7 @@ impl Courant {
                 scatter_points(&mut run, seed, spread);
                 worst = worst.max(estimate_over_limit(&mut run, 2)?);
             }
-            let name = format!("{} block, points moved by up to {spread} h", update.to_uppercase());
+            let name = format!("{} {shape} block, points moved by up to {spread} h", update.to_uppercase());
             report.row_of(reference, "safe", &name, None, worst)?;
         }
         Ok(())
@@ -94,7 +127,8 @@ fn exact_limit(run: &Run, operator: &Operator) -> f64 {
 fn operator(run: &Run, axes: usize) -> Operator {
     let law = Stiffness::of(run.case.material["bar"].elastic());
     let mean_mass = run.sim.initial_mass / run.sim.body.len() as f64;
-    Operator::of(&run.sim, &run.grid, law, axes, run.case.explicit.mass_floor * mean_mass)
+    let near = if run.case.solver.shape == ShapeFunctions::Bspline { spline } else { bilinear };
+    Operator::of(&run.sim, &run.grid, law, axes, run.case.explicit.mass_floor * mean_mass, near)
 }
 
 fn estimate_over_limit(run: &mut Run, axes: usize) -> Result<f64, String> {
@@ -102,20 +136,23 @@ fn estimate_over_limit(run: &mut Run, axes: usize) -> Result<f64, String> {
     Ok(estimate / exact_limit(run, &operator(run, axes)))
 }
 
-struct Bar {
+struct Bar<'a> {
     text: &'static str,
-    update: &'static str,
+    update: &'a str,
     layout: &'static str,
     /// Of all points, in cells.
     shift: f64,
     /// Steps that a run is watched for.
     steps: usize,
+    /// Further keys.
+    more: &'a [String],
 }
 
-impl Bar {
+impl Bar<'_> {
     fn at(&self, dt: Option<f64>) -> Result<Run, String> {
         let mut set = keys(&[("explicit.stress_update", self.update.into()), ("points.layout", self.layout.into())]);
         set.extend(dt.map(|dt| format!("explicit.time_step={dt:?}")));
+        set.extend_from_slice(self.more);
         let mut run = Run::new(self.text, &set)?;
         let h = run.grid.h;
         run.shift([self.shift * h, 0.0]);

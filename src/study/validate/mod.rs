@@ -18,6 +18,7 @@ mod incline;
 mod incompressible;
 mod light_node;
 mod limit;
+mod long_run;
 mod measure;
 mod newton;
 mod operator;
@@ -94,6 +95,7 @@ pub trait Problem: Sync {
 pub fn problems() -> &'static [&'static dyn Problem] {
     &[
         &vibrating_bar::VibratingBar,
+        &long_run::LongRun,
         &two_discs::TwoDiscs,
         &incline::Incline,
         &courant::Courant,

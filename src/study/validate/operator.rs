@@ -55,18 +55,18 @@ pub(super) struct Operator {
 impl Operator {
     /// Of a body on a grid, with the motion free along the first `axes` axes and held along the
     /// others. `floor` is a mass (t/m).
-    pub fn of(sim: &Simulation, grid: &Grid, law: Stiffness, axes: usize, floor: f64) -> Self {
+    pub fn of(sim: &Simulation, grid: &Grid, law: Stiffness, axes: usize, floor: f64, near: Near) -> Self {
         let n = axes * grid.nodes();
         let (mut mass, mut consistent, mut stiffness) = (vec![0.0; n], DMatrix::zeros(n, n), DMatrix::zeros(n, n));
         let body = &sim.body;
         for p in 0..body.len() {
             let x = [body.committed.x[0][p], body.committed.x[1][p]];
-            let near = bilinear(grid, x);
-            for (i, wi, gi) in near {
+            let near = near(grid, x);
+            for &(i, wi, gi) in &near {
                 for a in 0..axes {
                     mass[axes * i + a] += wi * body.mass[p];
                 }
-                for (j, wj, gj) in near {
+                for &(j, wj, gj) in &near {
                     let k = block(law, gi, gj);
                     for a in 0..axes {
                         consistent[(axes * i + a, axes * j + a)] += wi * wj * body.mass[p];
@@ -148,16 +148,45 @@ fn limit(symmetric: DMatrix<f64>) -> f64 {
     2.0 / symmetric.symmetric_eigenvalues().max().sqrt()
 }
 
-/// Node, weight and gradient of the four nodes around a position.
-fn bilinear(grid: &Grid, x: [f64; 2]) -> [(usize, f64, [f64; 2]); 4] {
+/// Node, weight and gradient of the nodes around a position.
+pub(super) type Near = fn(&Grid, [f64; 2]) -> Vec<(usize, f64, [f64; 2])>;
+
+/// Quadratic B-splines, as averages of hats over a cell about the position, cut to end at a side.
+pub(super) fn spline(grid: &Grid, x: [f64; 2]) -> Vec<(usize, f64, [f64; 2])> {
+    let line = |axis: usize| -> Vec<(usize, f64, f64)> {
+        let (g, end) = ((x[axis] - grid.origin[axis]) / grid.h, f64::from(grid.cells[axis]));
+        let l = g.min(end - g).min(0.5);
+        // the hat and its integral from the left
+        let hat = |s: f64| (1.0 - s.abs()).max(0.0);
+        let integral = |s: f64| {
+            let s = s.clamp(-1.0, 1.0);
+            if s < 0.0 { 0.5 * (1.0 + s) * (1.0 + s) } else { 1.0 - 0.5 * (1.0 - s) * (1.0 - s) }
+        };
+        let of = |i: usize| {
+            let (a, b) = (g - l - i as f64, g + l - i as f64);
+            (i, (integral(b) - integral(a)) / (2.0 * l), (hat(b) - hat(a)) / (2.0 * l * grid.h))
+        };
+        (0..=grid.cells[axis] as usize).map(of).filter(|(_, w, _)| *w > 1e-12).collect()
+    };
+    let (columns, rows) = (line(0), line(1));
+    let pair = |&(i, wx, gx): &(usize, f64, f64), &(j, wy, gy): &(usize, f64, f64)| {
+        (j * grid.row() as usize + i, wx * wy, [gx * wy, wx * gy])
+    };
+    rows.iter().flat_map(|r| columns.iter().map(move |c| pair(c, r))).collect()
+}
+
+/// The bilinear functions of the four nodes around a position.
+pub(super) fn bilinear(grid: &Grid, x: [f64; 2]) -> Vec<(usize, f64, [f64; 2])> {
     let cell = [0, 1].map(|a| ((x[a] - grid.origin[a]) / grid.h).floor());
     let xi = [0, 1].map(|a| (x[a] - grid.origin[a]) / grid.h - cell[a]);
-    [[0, 0], [1, 0], [0, 1], [1, 1]].map(|corner: [usize; 2]| {
-        let n = [0, 1].map(|a| if corner[a] == 0 { 1.0 - xi[a] } else { xi[a] });
-        let d = corner.map(|c| if c == 0 { -1.0 / grid.h } else { 1.0 / grid.h });
-        let node = (cell[1] as usize + corner[1]) * grid.row() as usize + cell[0] as usize + corner[0];
-        (node, n[0] * n[1], [d[0] * n[1], n[0] * d[1]])
-    })
+    [[0, 0], [1, 0], [0, 1], [1, 1]]
+        .map(|corner: [usize; 2]| {
+            let n = [0, 1].map(|a| if corner[a] == 0 { 1.0 - xi[a] } else { xi[a] });
+            let d = corner.map(|c| if c == 0 { -1.0 / grid.h } else { 1.0 / grid.h });
+            let node = (cell[1] as usize + corner[1]) * grid.row() as usize + cell[0] as usize + corner[0];
+            (node, n[0] * n[1], [d[0] * n[1], n[0] * d[1]])
+        })
+        .to_vec()
 }
 
 /// lambda g_i (x) g_j + G g_j (x) g_i + G (g_i . g_j) I.

@@ -15,7 +15,7 @@ use crate::{
     math::{simd::FpPath, tensor::Voigt},
     nodes::Nodes,
     snapshot::Snapshot,
-    space::Linear,
+    space::{BSpline, Linear, Shape},
 };
 
 /// See the module.
@@ -41,15 +41,24 @@ impl Problem for Patch {
             let mut run = Run::new(self.files().case, &keys(&[("solver.kinematics", kinematics.into())]))?;
             scatter_points(&mut run);
             strain(&mut run, dt, |x| rate * nalgebra::Vector2::from(x))?;
-            report.particle_steps += run.sim.body.len() as u64;
-            let exact = closed_form(&run, rate * dt);
-            compare(&run.sim.snapshot(), exact, kinematics, reference, report)?;
-            let volume = (Matrix2::identity() + rate * dt).determinant();
-            let gap = largest(run.sim.body.committed.jacobian.iter().map(|j| (j - volume).abs()));
-            report.row_of(reference, "volume", kinematics, None, gap)?;
+            judge(&run, kinematics, rate * dt, reference, report)?;
+            let spline = format!("{kinematics}, bspline");
+            let mut run = Run::new(self.files().case, &keys(&[("solver.kinematics", kinematics.into())]))?;
+            scatter_points(&mut run);
+            strain_with(BSpline, &mut run, dt, |x| rate * nalgebra::Vector2::from(x))?;
+            judge(&run, &spline, rate * dt, reference, report)?;
         }
         Ok(())
     }
+}
+
+/// Rows of a body after one step with displacement gradient `du`.
+fn judge(run: &Run, name: &str, du: Matrix2<f64>, reference: &Reference, report: &mut Report) -> Result<(), String> {
+    report.particle_steps += run.sim.body.len() as u64;
+    compare(&run.sim.snapshot(), closed_form(run, du), name, reference, report)?;
+    let volume = (Matrix2::identity() + du).determinant();
+    let gap = largest(run.sim.body.committed.jacobian.iter().map(|j| (j - volume).abs()));
+    report.row_of(reference, "volume", name, None, gap)
 }
 
 /// Puts every point anywhere in the block, so that some cells are crowded and some empty.
@@ -68,16 +77,25 @@ pub(super) fn strain(
     dt: f64,
     velocity: impl Fn([f64; 2]) -> nalgebra::Vector2<f64>,
 ) -> Result<(), String> {
+    strain_with(Linear, run, dt, velocity)
+}
+
+fn strain_with<S: Shape<N>, const N: usize>(
+    shape: S,
+    run: &mut Run,
+    dt: f64,
+    velocity: impl Fn([f64; 2]) -> nalgebra::Vector2<f64>,
+) -> Result<(), String> {
     let (body, path) = (&mut run.sim.body, FpPath::best());
     let mut nodes = Nodes::new(run.grid);
-    let mut scratch = Box::<Scratch<4>>::default();
-    path.run(Scatter { scratch: &mut scratch, body, nodes: &mut nodes, cells: None, shape: Linear });
+    let mut scratch = Box::<Scratch<N>>::default();
+    path.run(Scatter { scratch: &mut scratch, body, nodes: &mut nodes, cells: None, shape });
     for s in 0..nodes.count {
         let v = velocity(run.grid.node_position(nodes.id[s]));
         nodes.strain_velocity[0][s] = v.x;
         nodes.strain_velocity[1][s] = v.y;
     }
-    let kernel = Strain { scratch: &mut scratch, body, nodes: &nodes, cells: None, dt, shape: Linear };
+    let kernel = Strain { scratch: &mut scratch, body, nodes: &nodes, cells: None, dt, shape };
     path.run(kernel).map_err(|fault| fault.to_string())?;
     body.trial.x.clone_from(&body.committed.x);
     body.trial.v.clone_from(&body.committed.v);

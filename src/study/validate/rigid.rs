@@ -39,8 +39,16 @@ impl Problem for Rigid {
         for &way in spun {
             self.spin(way, effort, reference, report)?;
         }
-        let slow = self.turn(WAYS[0], 0.25, "0.5", report)?;
-        report.row(reference, "spin_pic", slow.lost)
+        let slow = self.turn(WAYS[0], 0.25, &[("explicit.pic_rate", "0.5".into())], report)?;
+        report.row(reference, "spin_pic", slow.lost)?;
+        for (shape, transfer) in [("bspline", "flip"), ("linear", "apic"), ("bspline", "apic"), ("bspline", "xpic")] {
+            let set = [("solver.shape", shape.to_owned()), ("solver.transfer", transfer.to_owned())];
+            let turn = self.turn(WAYS[0], 0.25, &set, report)?;
+            let name = format!("{shape} {transfer}");
+            report.row_of(reference, "spin_momentum", &name, None, turn.lost.abs())?;
+            report.row_of(reference, "spin_stress", &name, None, turn.stress_error)?;
+        }
+        Ok(())
     }
 }
 
@@ -125,7 +133,7 @@ impl Rigid {
         let cells: &[f64] = if effort == Effort::Short { &[0.25, 0.125] } else { &[0.25, 0.125, 0.0625] };
         let mut losses = Vec::new();
         for &h in cells {
-            let turn = self.turn(way, h, "0.0", report)?;
+            let turn = self.turn(way, h, &[], report)?;
             let name = format!("{}, h = {h} m", named(way));
             report.row_of(reference, "spin_momentum", &name, None, turn.lost.abs())?;
             report.row_of(reference, "spin_stress", &name, None, turn.stress_error)?;
@@ -135,12 +143,10 @@ impl Rigid {
     }
 
     /// One turn of a disc that starts with its exact stress.
-    fn turn(&self, way: (&str, &str), h: f64, pic_rate: &str, report: &mut Report) -> Result<Turn, String> {
+    fn turn(&self, way: (&str, &str), h: f64, more: &[(&str, String)], report: &mut Report) -> Result<Turn, String> {
         let spin = "{ rate = 1.0, center = [0.0, 0.0] }".to_owned();
-        let mut run = self.disc(
-            way,
-            &[("grid.cell", format!("{h:?}")), ("explicit.pic_rate", pic_rate.into()), ("region.disc.spin", spin)],
-        )?;
+        let motion = [("grid.cell", format!("{h:?}")), ("region.disc.spin", spin)];
+        let mut run = self.disc(way, &[&motion, more].concat())?;
         stress_as_spinning(&mut run);
         let before = angular_momentum(&run.sim);
         run.until(std::f64::consts::TAU, |_| ())?;
@@ -185,7 +191,7 @@ fn spinning(x: [f64; 2]) -> Voigt {
 }
 
 /// Gives each point the elastic strain of the stress it has while spinning.
-fn stress_as_spinning(run: &mut Run) {
+pub(super) fn stress_as_spinning(run: &mut Run) {
     let e = run.case.material["disc"].elastic();
     let law = crate::material::Elasticity::from_young(e.young_modulus, e.poisson_ratio);
     let state = &mut run.sim.body.committed;
