@@ -24,6 +24,8 @@ pub enum FaultKind {
     Unstable,
     /// The local error of a step is far above what is allowed.
     Inaccurate,
+    /// Energy has been made, or lost without a known cause.
+    EnergyDrift,
 }
 
 impl FaultKind {
@@ -44,6 +46,7 @@ impl FaultKind {
             FaultKind::Singular => "a system of equations has no solution that can be trusted (singular matrix)",
             FaultKind::NewtonDiverged => "Newton's iteration did not converge",
             FaultKind::Inaccurate => "the error of a step is larger than allowed",
+            FaultKind::EnergyDrift => "the balance of energy does not hold",
             FaultKind::Unstable => "the body is in no stable equilibrium without inertia",
         }
     }
@@ -111,6 +114,11 @@ impl Fault {
             }
             FaultKind::Inaccurate => {
                 "allow a larger error (`implicit.tolerance`) or shorter steps (`implicit.min_time_step`)"
+            }
+            FaultKind::EnergyDrift => {
+                return format!(
+                    "lower {step_keys}; `solver.shape = \"gimp\"` spares the noise of points that cross cell faces, `explicit.stress_update = \"musl\"` that of light nodes; `guard.fault` is the level"
+                );
             }
             FaultKind::Unstable => "let the body move: `implicit.regime = \"auto\"`",
         };

@@ -126,6 +126,11 @@ fn shear_layer() {
 }
 
 #[test]
+fn random_scenes() {
+    holds("random-scenes");
+}
+
+#[test]
 fn no_problem_is_left_out_here() {
     let tested = include_str!("validation.rs");
     for problem in problems() {

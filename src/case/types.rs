@@ -10,7 +10,7 @@ use serde::Serialize;
 use super::{
     probe::Probe,
     random::{Ensemble, Field},
-    scheme::{Explicit, Implicit, Solver},
+    scheme::{Explicit, Guard, Implicit, Solver},
     soil::Material,
 };
 
@@ -26,6 +26,7 @@ pub struct Case {
     pub solver: Solver,
     pub explicit: Explicit,
     pub implicit: Implicit,
+    pub guard: Guard,
     pub gravity: Gravity,
     pub initial_stress: InitialStress,
     pub damping: Damping,

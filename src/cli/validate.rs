@@ -34,6 +34,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let all = serde_json::json!({ "schema_version": SCHEMA_VERSION, "build": Build::current(), "problems": reports });
     let json = serde_json::to_string_pretty(&all).map_err(|e| write(e.into()))?;
     folder::write_text(&args.out.join("validate.json"), &(json.clone() + "\n")).map_err(write)?;
+    for (name, text) in reports.iter().flat_map(|r| &r.files) {
+        folder::write_text(&args.out.join(name), text).map_err(write)?;
+    }
     print(&if args.json { json + "\n" } else { validate::table(&reports) })?;
     let failed: Vec<&str> = reports.iter().filter(|r| !r.pass()).map(|r| r.name.as_str()).collect();
     if failed.is_empty() { Ok(()) } else { Err(Failure::Solver(format!("failed: {}", failed.join(", ")))) }

@@ -15,6 +15,8 @@ pub enum Purpose {
     Jitter = 1,
     /// Random fields; each has its name besides.
     Field = 2,
+    /// Scenes of the validation.
+    Scene = 3,
 }
 
 /// An endless stream of numbers, the same for the same (seed, realisation, purpose).

@@ -177,30 +177,42 @@ fn about(case: &Case, outcome: &Outcome) -> Vec<Warning> {
         ));
     }
     w.extend(numerical_energy(case, outcome));
+    w.extend(energy_drift(case, outcome));
     if outcome.status == Status::EndTime && case.end.at_rest && m.energy_kj_per_m.nodal_kinetic > 0.0 {
         w.push(Warning::new("not_at_rest", "end.time", "the run ended before the body came to rest".into()));
     }
     w
 }
 
-/// Energy that the scheme itself has taken or made, and what to change.
+/// Energy that the scheme itself has taken or made, by its parts, and what to change.
 fn numerical_energy(case: &Case, outcome: &Outcome) -> Option<Warning> {
     let e = &outcome.measures.energy_kj_per_m;
-    let (key, sources) = match case.solver.scheme {
-        case::Scheme::Explicit => ("explicit.courant", ""),
-        case::Scheme::Implicit => (
-            "implicit.time_step",
-            ": in the implicit scheme points that cross cell faces (bilinear shapes), the share of PIC, stops at contacts, the damping of backward_euler and hht, and without inertia a load that comes on at once",
-        ),
+    let key = match case.solver.scheme {
+        case::Scheme::Explicit => "explicit.courant",
+        case::Scheme::Implicit => "implicit.time_step",
     };
     (e.numerical.abs() > 0.05 * e.external.abs().max(1e-9)).then(|| {
-        let share = 100.0 * e.numerical / e.external;
-        Warning::new(
-            "numerical_energy",
-            key,
-            format!("{share:.1} % of the energy supplied is unaccounted for (numerical){sources}"),
-        )
+        let share = |part: f64| 100.0 * part / e.external;
+        let text = format!(
+            "{:.1} % of the energy supplied is numerical: {:.1} % taken by the maps between points and nodes (PIC, lumped mass, points that cross cell faces), {:.1} % by stops at supports and contacts, {:.1} % by the integration in time (damping; without inertia a load that comes on at once), {:.1} % unexplained",
+            share(e.numerical), share(e.transfer), share(e.impact), share(e.integrator), share(e.unexplained)
+        );
+        Warning::new("numerical_energy", key, text)
     })
+}
+
+/// Where the guard on the energy has spoken.
+fn energy_drift(case: &Case, outcome: &Outcome) -> Option<Warning> {
+    let [first, worst] = outcome.drift?;
+    let text = format!(
+        "from step {} (t = {:.4} s) on more energy was made, or lost without a known cause, than `guard.warning` allows: up to {:.1} % of what was supplied (step {}); lower {}, or use solver.shape = \"gimp\"",
+        first.step,
+        first.time_s,
+        100.0 * worst.share,
+        worst.step,
+        case.step_keys()
+    );
+    Some(Warning::new("energy_drift", "guard.warning", text))
 }
 
 /// Domains that have outgrown what the shape functions take.

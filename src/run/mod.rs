@@ -1,5 +1,6 @@
 //! The time loop of a run: steps, samples, frames, and when it is over.
 
+mod guard;
 mod rest;
 mod slide;
 
@@ -10,6 +11,8 @@ use std::{
 
 use serde::{Deserialize, Serialize};
 
+pub use guard::Drift;
+use guard::Guard;
 use rest::Rest;
 use slide::SlideWatch;
 
@@ -48,6 +51,8 @@ pub struct Outcome {
     pub fault: Option<Fault>,
     pub dt: StepRange,
     pub measures: Measures,
+    /// The first and the worst drift of the energy above `guard.warning`.
+    pub drift: Option<[Drift; 2]>,
 }
 
 /// Shortest, mean and longest step (s).
@@ -120,12 +125,17 @@ impl Limits<'_> {
 /// step takes long enough to look after each.
 const LOOK: u64 = 16;
 
+/// Explicit steps between two looks at the energies, which take a walk over the points; an instability that doubles in
+/// ten steps is still told before its numbers overflow.
+const GUARD: u64 = 256;
+
 struct Loop<'a> {
     case: &'a Case,
     slide: Option<SlideWatch<'a>>,
     /// What an onset looked like that may still turn out to be a wave.
     onset: Option<Snapshot>,
     rest: Rest,
+    guard: Guard,
     dt: StepRange,
     next_sample: f64,
     next_frame: f64,
@@ -136,12 +146,16 @@ struct Loop<'a> {
 pub fn run(case: &Case, scene: &mut Scene, limits: Limits, observer: &mut dyn Observer) -> std::io::Result<Outcome> {
     let started = Instant::now();
     let mut state = Loop::new(case, scene);
-    let look = if case.solver.scheme == case::Scheme::Explicit { LOOK } else { 1 };
+    let explicit = case.solver.scheme == case::Scheme::Explicit;
+    let [look, watch] = if explicit { [LOOK, GUARD] } else { [1, 1] };
     let sim = &mut scene.simulation;
     state.look(sim, observer, true)?;
     let (status, fault) = loop {
         if let Some(status) = state.finished(sim) {
-            break (status, None);
+            break match state.guard.look(sim) {
+                Ok(()) => (status, None),
+                Err(fault) => (Status::Failed, Some(fault)),
+            };
         }
         if sim.work.steps.is_multiple_of(look) {
             if limits.interrupted() {
@@ -157,6 +171,11 @@ pub fn run(case: &Case, scene: &mut Scene, limits: Limits, observer: &mut dyn Ob
         }
         state.note_step(sim, observer)?;
         state.look(sim, observer, false)?;
+        if sim.work.steps.is_multiple_of(watch)
+            && let Err(fault) = state.guard.look(sim)
+        {
+            break (Status::Failed, Some(fault));
+        }
     };
     state.last_look(sim, observer)?;
     Ok(state.outcome(sim, status, fault))
@@ -169,6 +188,7 @@ impl<'a> Loop<'a> {
             slide: case.slide.as_ref().map(|keys| SlideWatch::new(case, keys, scene)),
             onset: None,
             rest: Rest::new(case.end.rest_energy, case.end.rest_hold, case.grid.cell, case.loading_end()),
+            guard: Guard::new(case, scene.simulation.initial_mass),
             dt: StepRange { min: f64::INFINITY, mean: 0.0, max: 0.0 },
             next_sample: 0.0,
             next_frame: 0.0,
@@ -272,7 +292,8 @@ impl<'a> Loop<'a> {
         let dt = StepRange { mean: if steps > 0 { sim.time / steps as f64 } else { 0.0 }, ..self.dt };
         let dt = if steps > 0 { dt } else { StepRange { min: 0.0, mean: 0.0, max: 0.0 } };
         let message = message(self.case, status, fault.as_ref(), sim.time);
-        Outcome { status, time: sim.time, message, fault, dt, measures: m }
+        let drift = self.guard.spoken();
+        Outcome { status, time: sim.time, message, fault, dt, measures: m, drift }
     }
 }
 

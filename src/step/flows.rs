@@ -115,11 +115,11 @@ fn sum<const C: usize, const K: usize>(
             (0..K).for_each(|k| sums[k][i] += terms[k]);
         }
     };
-    let whole = n - n % SIDE;
-    for base in (0..whole).step_by(SIDE) {
-        add(columns.map(|column| std::array::from_fn(|i| column[base + i])));
+    let columns = columns.map(|column| column[..n].as_chunks::<SIDE>());
+    for k in 0..n / SIDE {
+        add(columns.map(|(whole, _)| whole[k]));
     }
-    add(columns.map(|column| std::array::from_fn(|i| if whole + i < n { column[whole + i] } else { 0.0 })));
+    add(columns.map(|(_, rest)| std::array::from_fn(|i| rest.get(i).copied().unwrap_or(0.0))));
     sums.map(|s| (s[0] + s[1]) + (s[2] + s[3]))
 }
 

@@ -5,6 +5,7 @@ mod ensemble;
 mod field;
 mod gravity;
 mod grid;
+mod guard;
 mod implicit;
 mod load;
 mod material;
@@ -44,6 +45,7 @@ fn tables(log: &Log, keys: &mut Keys<'_>) -> Option<Case> {
     let chosen = solver.as_ref().map(|solver| solver::Chosen::new(keys, solver));
     let explicit = solver::explicit(keys, chosen.as_ref());
     let implicit = implicit::implicit(keys, chosen.as_ref());
+    let guard = guard::guard(keys);
     let gravity = gravity::gravity(keys);
     let initial_stress = gravity::initial_stress(keys);
     let damping = run::damping(keys);
@@ -72,6 +74,7 @@ fn tables(log: &Log, keys: &mut Keys<'_>) -> Option<Case> {
         solver: solver?,
         explicit: explicit?,
         implicit: implicit?,
+        guard: guard?,
         gravity: gravity?,
         initial_stress: initial_stress?,
         damping: damping?,

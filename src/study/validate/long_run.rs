@@ -218,7 +218,7 @@ fn angular_momentum(run: &Run) -> f64 {
 
 fn seen_by_the_grid<S: Shape<N>, const N: usize>(run: &Run, shape: S) -> f64 {
     let (mut nodes, mut scratch) = (Nodes::new(run.grid), Box::<Scratch<N>>::default());
-    FpPath::best().run(Scatter { scratch: &mut scratch, body: &run.sim.body, nodes: &mut nodes, shape });
+    FpPath::best().run(Scatter { scratch: &mut scratch, body: &run.sim.body, nodes: &mut nodes, cells: None, shape });
     let of = |s: usize| {
         let x = run.grid.node_position(nodes.id[s]);
         x[0] * nodes.momentum[1][s] - x[1] * nodes.momentum[0][s]

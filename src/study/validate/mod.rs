@@ -25,6 +25,7 @@ mod operator;
 mod patch;
 mod perfect_correlation;
 mod prandtl;
+mod random_scenes;
 mod reference;
 mod report;
 mod rigid;
@@ -116,6 +117,7 @@ pub fn problems() -> &'static [&'static dyn Problem] {
         &block_collapse::BlockCollapse,
         &hard_cases::HardCases,
         &shear_layer::ShearLayer,
+        &random_scenes::RandomScenes,
         &field::Field,
     ]
 }

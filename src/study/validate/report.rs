@@ -1,5 +1,7 @@
 //! Rows of numbers, and their table.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 use super::reference::{Answer, Measure, Reference};
@@ -34,6 +36,9 @@ pub struct Report {
     pub particle_steps: u64,
     /// What a reader should know beside the numbers.
     pub notes: Vec<String>,
+    /// Case files to be run again, by name: written beside the report.
+    #[serde(skip)]
+    pub files: BTreeMap<String, String>,
 }
 
 impl Report {
@@ -46,6 +51,7 @@ impl Report {
             rows: Vec::new(),
             particle_steps: 0,
             notes: Vec::new(),
+            files: BTreeMap::new(),
         }
     }
 
