@@ -67,8 +67,17 @@ impl Family {
     fn cells(self, effort: Effort) -> &'static [f64] {
         match (effort, self.scheme, self.remedy) {
             (_, _, "none") | (Effort::Short, "explicit", _) => &[0.25, 0.125],
-            (Effort::Short, ..) => &[0.25, 0.125, 0.0625],
-            (Effort::Full, ..) => &[0.25, 0.125, 0.0625, 0.03125],
+            (Effort::Full, "implicit", _) => &[0.25, 0.125, 0.0625, 0.03125],
+            _ => &[0.25, 0.125, 0.0625],
+        }
+    }
+
+    /// The answer that the energy on cells of `h` (m) goes with. An average is judged where its length is four cells.
+    fn judged_as(self, h: f64) -> &'static str {
+        match self.remedy {
+            "none" => "drift",
+            "nonlocal" if REFERENCE_LENGTH < 4.0 * h => "coarse",
+            _ => "energy",
         }
     }
 }
@@ -76,16 +85,16 @@ impl Family {
 impl ShearLayer {
     fn family(&self, f: Family, effort: Effort, reference: &Reference, report: &mut Report) -> Result<(), String> {
         let name = format!("{}, {}, {}", f.scheme, f.shape, f.remedy);
-        let key = if f.remedy == "none" { "drift" } else { "energy" };
         let mut energies = Vec::new();
         for h in f.cells(effort) {
             let found = self.band(f, *h, reference, report)?;
             let setup = format!("{name}, h = {h} m");
+            let key = f.judged_as(*h);
             report.row_of(reference, key, &setup, None, found.energy)?;
             report.row_of(reference, "width", &setup, None, found.width)?;
-            energies.push(found.energy);
+            energies.extend((key == "energy").then_some(found.energy));
         }
-        if f.remedy == "none" {
+        if energies.len() < 2 {
             return Ok(());
         }
         let least = -largest(energies.iter().map(|e| -e));
@@ -112,11 +121,17 @@ impl ShearLayer {
 }
 
 /// Lowers the strength around one height, so that there is one band, and where it is: c = c0 (1 - a exp(-(y - y0)^2 / b^2)).
+/// Soil far from there is too strong to yield. An average at a side of the soil sees one half of a band alone, so
+/// that a band there would take half the energy, and be found first.
 fn weaken(sim: &mut Simulation, strength: &Strength, reference: &Reference) -> Result<(), String> {
-    let [place, share, reach] = ["weak_place", "weak_share", "weak_reach"].map(|key| reference.given(key));
-    let (place, share, reach) = (place?, share?, reach?);
+    let given = ["weak_place", "weak_share", "weak_reach", "strong_beyond"].map(|key| reference.given(key));
+    let [place, share, reach, beyond] = given;
+    let (place, share, reach, beyond) = (place?, share?, reach?, beyond?);
     let y = &sim.body.committed.x[1];
-    let weak = |y: &f64| strength.cohesion * (1.0 - share * (-((y - place) / reach).powi(2)).exp());
+    let weak = |y: &f64| {
+        let strong = if (y - place).abs() > beyond { 2.0 } else { 1.0 };
+        strong * strength.cohesion * (1.0 - share * (-((y - place) / reach).powi(2)).exp())
+    };
     for Group { range, params, law, .. } in &mut sim.body.groups {
         let column = law.params().iter().position(|name| *name == "cohesion");
         if let Some(column) = column.and_then(|k| params.get_mut(k)) {
