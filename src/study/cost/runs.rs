@@ -136,8 +136,8 @@ fn jittered(
 fn run_once(plan: &Plan, case: &Case, left: f64) -> Result<Run, String> {
     let (began, cpu) = (Instant::now(), clock::thread_seconds());
     let mut scene = scene::build(case, plan.max_memory).map_err(|e| e.to_string())?;
-    // a prediction may be wrong: twice what is left, and some for a machine that does other things
-    let time_limit = Duration::try_from_secs_f64(2.0 * left + 5.0).ok();
+    // a prediction may be wrong: what is left, in wall time of a machine that does other things as well
+    let time_limit = Duration::try_from_secs_f64(5.0 * left + 10.0).ok();
     let limits = Limits { time_limit, ..plan.limits };
     let outcome = run::run(case, &mut scene, limits, &mut Blind).map_err(|e| e.to_string())?;
     let cpu_s = clock::thread_seconds().zip(cpu).map(|(after, before)| after - before);

@@ -7,7 +7,7 @@ use super::{
     answer::{figure_of_two, seconds},
     setting::{digits, figure, is_numerical},
 };
-use crate::case::Scheme;
+use crate::{case::Scheme, run::Status};
 
 /// The table for people.
 pub fn table(study: &Study) -> String {
@@ -112,9 +112,18 @@ pub fn remarks(study: &Study, plan: &Plan) -> Vec<String> {
             physical.join(", ")
         ));
     }
-    let failed = study.rows.iter().filter(|r| r.fault.is_some()).count();
-    if failed > 0 {
-        text.push(format!("{failed} settings failed: too coarse, or a step too long; they have no error"));
+    let count = |status: Status| study.rows.iter().filter(|r| r.status == status).count();
+    if count(Status::Failed) > 0 {
+        text.push(format!(
+            "settings that failed, being too coarse or their steps too long: {}; they have no error",
+            count(Status::Failed)
+        ));
+    }
+    if count(Status::ResourceCap) > 0 {
+        text.push(format!(
+            "settings cut short, being dearer than predicted: {}; raise --budget",
+            count(Status::ResourceCap)
+        ));
     }
     text.extend(dynamics(study));
     text
@@ -194,5 +203,8 @@ pub fn caption(study: &Study) -> String {
         None => "nothing",
     };
     let value = study.reference.as_ref().map(|r| format!(", {}", figure(r.value))).unwrap_or_default();
-    format!("{}: error against {against}{value} {}", study.quantity.name(), study.quantity.unit()).trim_end().to_owned()
+    let text = format!("{}: error against {against}{value} {}", study.quantity.name(), study.quantity.unit());
+    let failed = study.rows.iter().filter(|r| r.fault.is_some()).count();
+    let failed = if failed > 0 { format!("; {failed} failed, see cost.csv") } else { String::new() };
+    format!("{}{failed}", text.trim_end())
 }

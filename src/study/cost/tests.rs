@@ -126,7 +126,7 @@ fn answers_name_the_cheapest_setting_and_the_ratio() {
 fn an_error_that_is_small_by_chance_is_no_answer() {
     let plan =
         plan(&[("solver.shape", &["gimp"]), ("solver.scheme", &["implicit"]), ("implicit.time_step", &["0.02"])]);
-    let value = |h: f64| if h > 0.7 { 1.0 } else { 1.0 + 0.02 * h };
+    let value = |h: f64| if h > 0.7 { 1.0 } else { 1.0 + 0.018 * h };
     let mut rows = rows(&plan, |s| (value(s.case.grid.cell), 1.0 / s.case.grid.cell));
     let answers = judged(&mut rows, 1.0);
     assert!(answers[1].picks[0].setting.contains("h = 0.5"), "{}", answers[1].text);
