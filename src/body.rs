@@ -225,6 +225,11 @@ impl Body {
         }
     }
 
+    /// Where the point at place `i` of the columns started (m).
+    pub fn reference(&self, i: usize) -> [f64; 2] {
+        self.reference[self.id[i] as usize]
+    }
+
     /// Displacement since the start, by identity (m).
     pub fn displacements(&self, out: &mut [[f64; 2]]) {
         let [x, y] = &self.committed.x;

@@ -131,6 +131,26 @@ fn random_scenes() {
 }
 
 #[test]
+fn manufactured() {
+    holds("manufactured");
+}
+
+#[test]
+fn time_order() {
+    holds("time-order");
+}
+
+#[test]
+fn thick_cylinder() {
+    holds("thick-cylinder");
+}
+
+#[test]
+fn column_collapse() {
+    holds("column-collapse");
+}
+
+#[test]
 fn no_problem_is_left_out_here() {
     let tested = include_str!("validation.rs");
     for problem in problems() {

@@ -8,7 +8,7 @@ use crate::{
         folder,
         record::{Build, SCHEMA_VERSION},
     },
-    study::validate::{self, Effort},
+    study::validate::{self, Effort, Report},
 };
 
 #[derive(Debug, clap::Args)]
@@ -18,7 +18,7 @@ pub struct Args {
     /// Fine grids and all sizes: minutes instead of seconds
     #[arg(long)]
     full: bool,
-    /// Folder for validate.json
+    /// Folder for validate.json and validate.html
     #[arg(long, short, default_value = "out/validate")]
     out: PathBuf,
     /// Print the reports as JSON on standard output, and nothing else there
@@ -37,7 +37,17 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     for (name, text) in reports.iter().flat_map(|r| &r.files) {
         folder::write_text(&args.out.join(name), text).map_err(write)?;
     }
+    folder::write_text(&args.out.join("timing.json"), &timing(&reports)).map_err(write)?;
+    let page = validate::page(&reports, effort, &Build::current()).map_err(write)?;
+    folder::write_text(&args.out.join("validate.html"), &page).map_err(write)?;
     print(&if args.json { json + "\n" } else { validate::table(&reports) })?;
     let failed: Vec<&str> = reports.iter().filter(|r| !r.pass()).map(|r| r.name.as_str()).collect();
     if failed.is_empty() { Ok(()) } else { Err(Failure::Solver(format!("failed: {}", failed.join(", ")))) }
+}
+
+/// CPU time of each problem (s): what is not the same twice.
+fn timing(reports: &[Report]) -> String {
+    let times: serde_json::Map<_, _> =
+        reports.iter().map(|r| (r.name.clone(), serde_json::json!({ "cpu_s": r.cost.cpu_s }))).collect();
+    format!("{:#}\n", serde_json::Value::Object(times))
 }

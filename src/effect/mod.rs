@@ -1,6 +1,7 @@
 //! Effects on the nodes. A scene lists the effects it calls for; an absent effect is not in the
 //! list, owns no array and does no work.
 
+pub mod body_force;
 pub mod damping;
 pub mod drive;
 pub mod friction;
@@ -10,6 +11,7 @@ pub mod inertia;
 pub mod load;
 pub mod support;
 
+pub use body_force::BodyForce;
 pub use damping::{LocalDamping, ViscousDamping};
 pub use drive::Drive;
 pub use friction::Friction;

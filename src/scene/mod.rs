@@ -23,6 +23,7 @@ use crate::{
     block::Law,
     body::{Body, GroupSeed, Seedling},
     case::{self, Case},
+    effect::Effect,
     field::model::Drawn,
     math::outline::Outline,
     seed::{CutRule, Seed, Seeding, seed},
@@ -82,6 +83,25 @@ pub fn build_with(case: &Case, max_memory: u64, fields: &Fields) -> Result<Scene
 
 /// As [`build_with`], with all strengths divided by `factor`.
 pub fn build_reduced(case: &Case, max_memory: u64, fields: &Fields, factor: f64) -> Result<Scene, SceneError> {
+    assemble(case, max_memory, fields, factor, &|_| Vec::new())
+}
+
+/// What a study adds to a scene and no case can ask for: it may change the points before the first step, and gives
+/// effects that act before those of the case.
+pub type Addition<'a> = &'a dyn Fn(&mut Body) -> Vec<Box<dyn Effect>>;
+
+/// As [`build`], with an addition.
+pub fn build_adding(case: &Case, max_memory: u64, addition: Addition<'_>) -> Result<Scene, SceneError> {
+    assemble(case, max_memory, &Fields::of(case)?, 1.0, addition)
+}
+
+fn assemble(
+    case: &Case,
+    max_memory: u64,
+    fields: &Fields,
+    factor: f64,
+    addition: Addition<'_>,
+) -> Result<Scene, SceneError> {
     let need = case.memory_estimate_bytes();
     if need > max_memory {
         return Err(too_large(need, max_memory));
@@ -97,7 +117,7 @@ pub fn build_reduced(case: &Case, max_memory: u64, fields: &Fields, factor: f64)
     check_initial_stress(case)?;
     let drawn = fields.draw(case)?;
     let (mut body, limited) = body(case, &outlines, &seeding, &drawn, factor)?;
-    let (integrator, control) = integrator(case, grid, &mut body)?;
+    let (integrator, control) = integrator(case, grid, &mut body, addition)?;
     let (in_situ, body) = in_situ(case, body);
     let mut simulation = Simulation::new(body, integrator, control, in_situ);
     simulation.work.cells = seeding.cells;
@@ -195,12 +215,17 @@ fn check_initial_stress(case: &Case) -> Result<(), SceneError> {
 
 /// The integrator that the case asks for, with the control of its steps; the body is made ready
 /// for its shape functions.
-fn integrator(case: &Case, grid: Grid, body: &mut Body) -> Result<(Box<dyn Integrator>, Control), SceneError> {
+fn integrator(
+    case: &Case,
+    grid: Grid,
+    body: &mut Body,
+    addition: Addition<'_>,
+) -> Result<(Box<dyn Integrator>, Control), SceneError> {
     match case.solver.shape {
-        case::ShapeFunctions::Linear => with_shape(case, Linear, grid, body),
-        case::ShapeFunctions::Gimp => with_shape(case, Gimp, grid, body),
-        case::ShapeFunctions::GimpWide => with_shape(case, GimpWide, grid, body),
-        case::ShapeFunctions::Bspline => with_shape(case, BSpline, grid, body),
+        case::ShapeFunctions::Linear => with_shape(case, Linear, grid, body, addition),
+        case::ShapeFunctions::Gimp => with_shape(case, Gimp, grid, body, addition),
+        case::ShapeFunctions::GimpWide => with_shape(case, GimpWide, grid, body, addition),
+        case::ShapeFunctions::Bspline => with_shape(case, BSpline, grid, body, addition),
     }
 }
 
@@ -209,9 +234,11 @@ fn with_shape<S: Shape<N>, const N: usize>(
     shape: S,
     grid: Grid,
     body: &mut Body,
+    addition: Addition<'_>,
 ) -> Result<(Box<dyn Integrator>, Control), SceneError> {
     prepare::<S, N>(grid, body)?;
-    let effects = effects::build(case, &grid, body)?;
+    let mut effects = addition(body);
+    effects.extend(effects::build(case, &grid, body)?);
     let averages = softening::averages(case, body);
     Ok(match case.solver.scheme {
         case::Scheme::Explicit => {

@@ -4,7 +4,8 @@
 //! from one equilibrium to the next; how far a run comes without it is told beside.
 
 use super::{
-    Effort, Files, Problem, Report,
+    Effort, Figure, Files, Problem, Report,
+    figure::Kind,
     measure::largest,
     reference::Reference,
     setup::{Run, keys},
@@ -45,6 +46,7 @@ impl Problem for BlockCollapse {
         for cell in [2, 1] {
             let block = Block { cell, points: 3 };
             let end = self.collapse(block, &[], report)?;
+            report.figure(end.shape(cell));
             report.row(reference, &format!("runout_{cell}"), end.runout)?;
             report.row(reference, &format!("height_{cell}"), end.height)?;
             block.rows(&end, reference, report)?;
@@ -132,9 +134,22 @@ struct End {
     kinetic: f64,
     /// Steps, cuts and iterations, in words.
     work: String,
+    /// Places of the points (m).
+    places: Vec<(f64, f64)>,
 }
 
 impl End {
+    fn shape(&self, cell: u32) -> Figure {
+        Figure::new(
+            &format!("Block under its own weight, h = {cell} m"),
+            "half of the block, smooth base, quasi-static up to where equilibrium is lost",
+            "x (m)",
+            "y (m)",
+        )
+        .with("points at the end", Kind::Points, self.places.clone())
+        .with("at the start", Kind::Exact, vec![(0.0, 8.0), (8.0, 8.0), (8.0, 0.0)])
+    }
+
     fn read(run: &Run) -> Self {
         let after = run.sim.snapshot();
         let most = |axis: usize| largest(after.position.iter().map(|x| x[axis]));
@@ -146,6 +161,7 @@ impl End {
             height: most(1),
             kinetic: energies.kinetic / energies.external,
             work: format!("{steps} steps, {cut} refused, {newton} iterations, {} domains cut", work.domain_clamps),
+            places: after.position.iter().map(|x| (x[0], x[1])).collect(),
         }
     }
 }

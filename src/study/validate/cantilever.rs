@@ -4,7 +4,8 @@
 //! the inextensible elastica.
 
 use super::{
-    Effort, Files, Problem, Report,
+    Effort, Figure, Files, Problem, Report,
+    figure::Kind,
     measure::mean,
     reference::Reference,
     setup::{Run, keys, rectangle},
@@ -71,6 +72,7 @@ impl Cantilever {
             bent.push(tip);
         }
         let [.., coarse, fine] = bent.as_slice() else { return Ok(()) };
+        report.figure(deflections(slender, coarse, fine, reference)?);
         for (k, alpha) in ALPHAS.iter().enumerate() {
             report.row(reference, &format!("{key}_{alpha}"), fine.down(k))?;
             let setup = format!("L / d = {slender}, alpha = {alpha}");
@@ -128,6 +130,22 @@ impl Cantilever {
         tip.share = run.sim.time.min(1.0);
         Ok(tip)
     }
+}
+
+/// Deflection over the load on the two finest grids.
+fn deflections(slender: f64, coarse: &Tip, fine: &Tip, reference: &Reference) -> Result<Figure, String> {
+    let loads = || ALPHAS.iter().map(|alpha| f64::from(*alpha));
+    let ours = |tip: &Tip| loads().enumerate().map(|(k, alpha)| (alpha, tip.down(k))).collect();
+    let answers = ALPHAS.iter().map(|alpha| reference.exact(&format!("v_{alpha}"))).collect::<Result<Vec<_>, _>>()?;
+    Ok(Figure::new(
+        &format!("Cantilever: deflection of the tip, L / d = {slender}"),
+        "the elastica has neither shear nor stretch",
+        "P L^2 / EI",
+        "deflection over L",
+    )
+    .with("finest grid", Kind::Points, ours(fine))
+    .with("cells twice as large", Kind::Points, ours(coarse))
+    .with("elastica", Kind::Exact, std::iter::once((0.0, 0.0)).chain(loads().zip(answers)).collect()))
 }
 
 /// Where the tip has gone.

@@ -8,7 +8,8 @@
 //! with W = W(q) Lambert's function and q_0 = q at Y = 0; P' = W / q.
 
 use super::{
-    Effort, Files, Problem, Report,
+    Effort, Figure, Files, Problem, Report,
+    figure::Kind,
     measure::{mean, order},
     reference::Reference,
     setup::{Run, keys, rectangle},
@@ -34,16 +35,24 @@ impl Problem for Column {
     }
 
     fn fill(&self, effort: Effort, reference: &Reference, report: &mut Report) -> Result<(), String> {
-        self.published(reference, report)?;
-        self.swept(effort, "linear", reference, report)?;
-        self.swept(effort, "bspline", reference, report)?;
+        let smooth = self.published(reference, report)?;
+        let linear = self.swept(effort, "linear", reference, report)?;
+        let splines = self.swept(effort, "bspline", reference, report)?;
+        let figure = Figure::convergence(
+            "Column under its own weight: error of the stress",
+            "implicit, 40 steps; linear cells do not converge where points cross their faces",
+            "cell over height",
+            "mean error over the largest stress",
+        );
+        let figure = figure.with("GIMP", Kind::Marked, smooth).with("B-spline", Kind::Marked, splines);
+        report.figure(figure.with("linear", Kind::Marked, linear).with_slope(2));
         self.one_point(effort, reference, report)
     }
 }
 
 impl Column {
-    /// GIMP beside the figures of the other codes.
-    fn published(&self, reference: &Reference, report: &mut Report) -> Result<(), String> {
+    /// GIMP beside the figures of the other codes. Error of the stress over cell over height.
+    fn published(&self, reference: &Reference, report: &mut Report) -> Result<Vec<(f64, f64)>, String> {
         let (mut stress, mut way) = (Vec::new(), Vec::new());
         for rows in ROWS {
             let found = self.squeeze(rows, &[], reference, report)?;
@@ -56,11 +65,19 @@ impl Column {
             way.push((1.0 / rows as f64, found.displacement));
         }
         report.row(reference, "order", order(&stress))?;
-        report.row(reference, "displacement_order", order(&way))
+        report.row(reference, "displacement_order", order(&way))?;
+        Ok(stress)
     }
 
-    /// Other shapes: bilinear functions do not converge here; splines do, while points tile their cells.
-    fn swept(&self, effort: Effort, shape: &str, reference: &Reference, report: &mut Report) -> Result<(), String> {
+    /// Other shapes: bilinear functions do not converge here; splines do, while points tile their cells. Errors of the
+    /// stress, as above.
+    fn swept(
+        &self,
+        effort: Effort,
+        shape: &str,
+        reference: &Reference,
+        report: &mut Report,
+    ) -> Result<Vec<(f64, f64)>, String> {
         let mut errors = Vec::new();
         for &rows in sizes(effort) {
             let set = [("solver.shape", shape.to_owned())];
@@ -68,7 +85,8 @@ impl Column {
             report.row_of(reference, shape, &format!("{rows} rows"), None, found.stress)?;
             errors.push((1.0 / rows as f64, found.stress));
         }
-        report.row(reference, &format!("{shape}_order"), order(&errors))
+        report.row(reference, &format!("{shape}_order"), order(&errors))?;
+        Ok(errors)
     }
 
     /// One point a cell: how far it comes, and with what error.

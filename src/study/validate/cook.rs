@@ -2,7 +2,8 @@
 //! to the grid.
 
 use super::{
-    Effort, Files, Problem, Report,
+    Effort, Figure, Files, Problem, Report,
+    figure::Kind,
     reference::Reference,
     setup::{Run, keys},
 };
@@ -34,13 +35,16 @@ impl Problem for Cook {
             Effort::Short => &[4.0, 2.0, 1.0],
             Effort::Full => &[4.0, 2.0, 1.0, 0.5, 0.25],
         };
+        let (mut cured, mut locked) = (Vec::new(), Vec::new());
         for (k, &h) in sizes.iter().enumerate() {
             let key = if k + 1 == sizes.len() { "tip" } else { "coarse" };
-            self.panel(Setup { h, ..Setup::CURED }, key, reference, report)?;
+            cured.push((h, self.panel(Setup { h, ..Setup::CURED }, key, reference, report)?));
         }
         for &h in sizes {
-            self.panel(Setup { h, locking: "none", ..Setup::CURED }, "locked", reference, report)?;
+            let tip = self.panel(Setup { h, locking: "none", ..Setup::CURED }, "locked", reference, report)?;
+            locked.push((h, tip));
         }
+        report.figure(tips(cured, locked, reference.exact("tip")?));
         for cut in ["inside", "full"] {
             self.panel(Setup { cut, ..Setup::CURED }, "cut", reference, report)?;
         }
@@ -80,13 +84,28 @@ impl Setup {
 }
 
 impl Cook {
-    fn panel(&self, setup: Setup, key: &str, reference: &Reference, report: &mut Report) -> Result<(), String> {
+    fn panel(&self, setup: Setup, key: &str, reference: &Reference, report: &mut Report) -> Result<f64, String> {
         let mut run = Run::new(self.files().case, &setup.keys())?;
         run.until(run.case.end.time, |_| ())?;
         report.count(&run.sim);
         let tip = SCALE * tip(&run.sim.snapshot(), setup.h);
-        report.row_of(reference, key, &setup.name(), None, tip)
+        report.row_of(reference, key, &setup.name(), None, tip)?;
+        Ok(tip)
     }
+}
+
+/// The tip over the cell, with and without a cure for locking.
+fn tips(cured: Vec<(f64, f64)>, locked: Vec<(f64, f64)>, exact: f64) -> Figure {
+    let largest = cured.iter().fold(0.0, |a: f64, p| a.max(p.0));
+    Figure::new(
+        "Cook's membrane: deflection of the tip",
+        "3 x 3 points a cell; plain bilinear cells lock where the soil keeps its volume",
+        "cell (m)",
+        "deflection of the tip (m)",
+    )
+    .with("mean dilatation", Kind::Marked, cured)
+    .with("plain cells", Kind::Marked, locked)
+    .with("reference", Kind::Exact, vec![(0.0, exact), (largest, exact)])
 }
 
 /// Vertical displacement at the tip (m): the plane through the points within a cell and a half of it.

@@ -1,7 +1,8 @@
 //! A flat, stiff block on a frictional plane.
 
 use super::{
-    Effort, Files, Problem, Report,
+    Effort, Figure, Files, Problem, Report,
+    figure::Kind,
     limit::last_equilibrium,
     measure::{bisect, mean},
     reference::Reference,
@@ -65,11 +66,18 @@ impl Incline {
         let mut block = self.tilted(scheme, h, 0.4 * factor)?;
         block.run.until(block.full_pull + reference.given("first")?, |_| ())?;
         let (t, v) = (block.run.sim.time, block.velocity());
-        block.run.until(block.full_pull + reference.given("last")?, |_| ())?;
+        let mut trace = vec![(t, v)];
+        block.run.until(block.full_pull + reference.given("last")?, |sim| {
+            trace.push((sim.time, sim.body.momentum()[0] / sim.initial_mass));
+        })?;
         let ours = (block.velocity() - v) / (block.run.sim.time - t);
         report.count(&block.run.sim);
         let name = format!("tan t = {factor} mu, h = {h} m{}", scheme.name());
-        report.row_of(reference, "acceleration", &name, Some(block.sliding_acceleration()), ours)?;
+        let exact = block.sliding_acceleration();
+        if matches!(scheme, Scheme::Explicit | Scheme::Implicit("newmark")) {
+            report.figure(sliding(&name, trace, exact));
+        }
+        report.row_of(reference, "acceleration", &name, Some(exact), ours)?;
         report.row_of(reference, "gap", &name, None, block.way()[1] / h)
     }
 
@@ -110,6 +118,21 @@ impl Incline {
         let steepest = tangent * 0.5 * (share(bracket.holds) + share(bracket.fails));
         report.row_of(reference, "still_threshold", &format!("h = {h} m"), None, steepest)
     }
+}
+
+/// Velocity over time, beside one that grows as it should from the first on.
+fn sliding(name: &str, trace: Vec<(f64, f64)>, acceleration: f64) -> Figure {
+    let first = trace.first().copied().unwrap_or((f64::NAN, f64::NAN));
+    let last = trace.last().map_or(f64::NAN, |p| p.0);
+    let exact = vec![first, (last, first.1 + acceleration * (last - first.0))];
+    Figure::new(
+        &format!("Sliding block: {name}"),
+        "mean velocity along the plane while gravity acts in full",
+        "time (s)",
+        "velocity (m/s)",
+    )
+    .with("ours", Kind::Line, trace)
+    .with("g (sin t - mu cos t)", Kind::Exact, exact)
 }
 
 /// How time is stepped.

@@ -7,11 +7,13 @@
 mod block_collapse;
 mod cantilever;
 mod column;
+mod column_collapse;
 mod cook;
 mod courant;
 mod cut_cell;
 mod factor_of_safety;
 mod field;
+mod figure;
 mod hard_cases;
 mod in_situ;
 mod incline;
@@ -19,9 +21,11 @@ mod incompressible;
 mod light_node;
 mod limit;
 mod long_run;
+mod manufactured;
 mod measure;
 mod newton;
 mod operator;
+mod page;
 mod patch;
 mod perfect_correlation;
 mod prandtl;
@@ -31,12 +35,19 @@ mod report;
 mod rigid;
 mod setup;
 mod shear_layer;
+mod table;
+mod thick_cylinder;
+mod time_order;
 mod two_discs;
 mod undrained_slopes;
 mod vibrating_bar;
 
-pub use report::{Report, Row, table};
+pub use figure::Figure;
+pub use page::page;
+pub use report::{Cost, Report, Row};
+pub use table::table;
 
+use crate::output::record::cpu_seconds;
 use reference::Reference;
 
 /// How much is run.
@@ -87,7 +98,9 @@ pub trait Problem: Sync {
         let named = |e: String| format!("{}: {e}", self.name());
         let reference = Reference::read(self.files().reference).map_err(named)?;
         let mut report = Report::new(self.name(), &reference);
+        let before = cpu_seconds();
         self.fill(effort, &reference, &mut report).map_err(named)?;
+        report.cost.cpu_s = cpu_seconds().zip(before).map(|(after, before)| after - before);
         Ok(report)
     }
 }
@@ -99,6 +112,8 @@ pub fn problems() -> &'static [&'static dyn Problem] {
         &long_run::LongRun,
         &two_discs::TwoDiscs,
         &incline::Incline,
+        &manufactured::Manufactured,
+        &time_order::TimeOrder,
         &courant::Courant,
         &rigid::Rigid,
         &patch::Patch,
@@ -109,12 +124,14 @@ pub fn problems() -> &'static [&'static dyn Problem] {
         &incompressible::Incompressible,
         &cook::Cook,
         &prandtl::Prandtl,
+        &thick_cylinder::ThickCylinder,
         &undrained_slopes::UndrainedSlopes,
         &factor_of_safety::FactorOfSafety,
         &perfect_correlation::PerfectCorrelation,
         &column::Column,
         &cantilever::Cantilever,
         &block_collapse::BlockCollapse,
+        &column_collapse::ColumnCollapse,
         &hard_cases::HardCases,
         &shear_layer::ShearLayer,
         &random_scenes::RandomScenes,

@@ -6,7 +6,8 @@
 //! high (Griffiths and Fenton 2004).
 
 use super::{
-    Effort, Files, Problem, Report,
+    Effort, Figure, Files, Problem, Report,
+    figure::Kind,
     reference::Reference,
     setup::{MEMORY, keys},
     undrained_slopes::{SLOPES, Slope},
@@ -42,12 +43,15 @@ impl Problem for PerfectCorrelation {
         };
         let plan = Plan { slope, rows, realisations, reference };
         let factor = plan.factor(report)?;
+        let mut found = Vec::new();
         for (seed, &v) in (1..).zip(variations) {
             let limit = plan.limit(seed, v, factor, report)?;
+            found.push((v.variation, limit.share));
             if let Some(side) = v.side {
                 plan.averaged(seed + 10, v, side, &limit, report)?;
             }
         }
+        report.figure(probabilities(found, factor));
         Ok(())
     }
 }
@@ -95,6 +99,19 @@ struct Sample {
 fn exact(variation: f64, factor: f64) -> f64 {
     let square = variation.powi(2).ln_1p();
     gauss::cdf((0.5 * square - factor.ln()) / square.sqrt())
+}
+
+/// Probability of failure over the variation.
+fn probabilities(found: Vec<(f64, f64)>, factor: f64) -> Figure {
+    let curve = (1..=120).map(|k| f64::from(k) / 100.0).map(|v| (v, exact(v, factor))).collect();
+    Figure::new(
+        "Probability of failure of a slope with perfectly correlated strength",
+        "one run for each realisation; the standard error of a share p of n is sqrt(p (1 - p) / n)",
+        "coefficient of variation",
+        "probability of failure",
+    )
+    .with("realisations", Kind::Points, found)
+    .with("exact, with the factor of safety of the grid", Kind::Exact, curve)
 }
 
 impl Plan<'_> {

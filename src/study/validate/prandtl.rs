@@ -8,7 +8,8 @@
 //! half of that cell goes along. The pressure is F / (B + h); F / B is printed beside it. Both tend to the same limit.
 
 use super::{
-    Effort, Files, Problem, Report,
+    Effort, Figure, Files, Problem, Report,
+    figure::Kind,
     reference::Reference,
     setup::{Run, keys},
 };
@@ -94,6 +95,9 @@ impl Prandtl {
         report.count(&run.sim);
         let at = |share: f64| forces.get((share * forces.len() as f64) as usize - 1).copied().unwrap_or(f64::NAN);
         let (limit, before) = (at(1.0), at(0.8));
+        if setup.cure && !setup.rough {
+            report.figure(settling(setup, &forces, strength, reference.exact("pressure")?));
+        }
         let name = setup.name();
         let pressure = |width: f64| limit / (strength * width);
         let key = match (setup.cure, setup.cells >= FINE) {
@@ -108,6 +112,21 @@ impl Prandtl {
         }
         Ok(pressure(HALF))
     }
+}
+
+/// Pressure over settlement.
+fn settling(setup: Setup, forces: &[f64], strength: f64, exact: f64) -> Figure {
+    let width = HALF + 0.5 * setup.h();
+    let share = |k: usize| (k + 1) as f64 / forces.len() as f64;
+    let points = forces.iter().enumerate().map(|(k, f)| (share(k), f / (strength * width))).collect();
+    Figure::new(
+        &format!("Strip footing: pressure over settlement, {}", setup.name()),
+        "small strain, mean dilatation; the limit is reached where the curve is level",
+        "settlement over the last one",
+        "F / (B + h) / c",
+    )
+    .with("ours", Kind::Line, points)
+    .with("2 + pi", Kind::Exact, vec![(0.0, exact), (1.0, exact)])
 }
 
 fn cured(setup: Setup) -> &'static str {

@@ -1,11 +1,14 @@
-//! Rows of numbers, and their table.
+//! What comes out of a problem: rows of numbers, figures, and what it took.
 
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::reference::{Answer, Measure, Reference};
-use crate::sim::Simulation;
+use super::{
+    Figure,
+    reference::{Answer, Measure, Reference},
+};
+use crate::{sim::Simulation, work::Work};
 
 /// One quantity: the exact value, ours, and whether they agree.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -34,11 +37,40 @@ pub struct Report {
     pub rows: Vec<Row>,
     /// Material points moved, summed over all steps of all runs.
     pub particle_steps: u64,
+    pub cost: Cost,
+    pub figures: Vec<Figure>,
     /// What a reader should know beside the numbers.
     pub notes: Vec<String>,
     /// Case files to be run again, by name: written beside the report.
     #[serde(skip)]
     pub files: BTreeMap<String, String>,
+}
+
+/// What the runs of a problem took.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Cost {
+    /// Steps of the explicit scheme, and of the implicit one.
+    pub explicit_steps: u64,
+    pub implicit_steps: u64,
+    pub newton_iterations: u64,
+    /// CPU time of the process (s). Not in `validate.json`, which is the same twice.
+    #[serde(skip)]
+    pub cpu_s: Option<f64>,
+}
+
+impl Cost {
+    /// A step of the implicit scheme iterates at least once, one of the explicit scheme never.
+    fn add(&mut self, work: &Work) {
+        let steps = if work.newton_iterations > 0 { &mut self.implicit_steps } else { &mut self.explicit_steps };
+        *steps += work.steps;
+        self.newton_iterations += work.newton_iterations;
+    }
+
+    /// Names of the schemes that ran.
+    pub fn schemes(&self) -> Vec<&'static str> {
+        let ran = [("explicit", self.explicit_steps), ("implicit", self.implicit_steps)];
+        ran.into_iter().filter(|(_, steps)| *steps > 0).map(|(name, _)| name).collect()
+    }
 }
 
 impl Report {
@@ -50,6 +82,8 @@ impl Report {
             source: reference.source.clone(),
             rows: Vec::new(),
             particle_steps: 0,
+            cost: Cost::default(),
+            figures: Vec::new(),
             notes: Vec::new(),
             files: BTreeMap::new(),
         }
@@ -97,6 +131,12 @@ impl Report {
     /// Books the work of a run that is over.
     pub(super) fn count(&mut self, simulation: &Simulation) {
         self.particle_steps += simulation.work.particle_steps;
+        self.cost.add(&simulation.work);
+    }
+
+    /// Adds a picture.
+    pub(super) fn figure(&mut self, figure: Figure) {
+        self.figures.push(figure);
     }
 
     /// Adds a note.
@@ -105,58 +145,10 @@ impl Report {
     }
 }
 
-/// The reports as an aligned table for a terminal.
-pub fn table(reports: &[Report]) -> String {
-    let widest = |r: &Report| r.rows.iter().map(|row| row.quantity.chars().count()).max().unwrap_or(0);
-    let width = reports.iter().map(widest).max().unwrap_or(0).max(8);
-    let mut out =
-        format!("{:width$}  {:>12}  {:>12}  {:>10}  {:>10}\n", "quantity", "exact", "ours", "error", "tolerance");
-    for report in reports {
-        out += &section(report, width);
-    }
-    let rows = reports.iter().flat_map(|r| &r.rows);
-    let failed = rows.clone().filter(|row| !row.pass).count();
-    out + &format!("\n{} rows, {failed} failed\n", rows.count())
-}
-
-fn section(report: &Report, width: usize) -> String {
-    let mut out = format!("\n{}: {}\n", report.name, report.about);
-    for row in &report.rows {
-        let verdict = match (row.tolerance, row.pass) {
-            (_, false) => "FAILED",
-            (None, true) => "reported",
-            (Some(_), true) => "ok",
-        };
-        out += &format!(
-            "{:width$}  {:>12}  {:>12}  {:>10}  {:>10}  {verdict}\n",
-            row.quantity,
-            number(row.exact),
-            number(Some(row.ours)),
-            short(row.error),
-            short(row.tolerance)
-        );
-    }
-    report.notes.iter().for_each(|note| out += &format!("  note: {note}\n"));
-    out
-}
-
-/// Six figures, with an exponent where the number is far from 1.
-fn number(value: Option<f64>) -> String {
-    match value {
-        None => "-".to_owned(),
-        Some(0.0) => "0".to_owned(),
-        Some(v) if (1e-3..1e5).contains(&v.abs()) => format!("{v:.*}", (5.0 - v.abs().log10().floor()) as usize),
-        Some(v) => format!("{v:.4e}"),
-    }
-}
-
-fn short(value: Option<f64>) -> String {
-    value.map_or_else(|| "-".to_owned(), |v| if v == 0.0 { "0".to_owned() } else { format!("{v:.2e}") })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::study::validate::table;
 
     #[test]
     fn a_row_passes_within_its_tolerance_and_not_a_number_never_does() {
@@ -168,12 +160,5 @@ mod tests {
         }
         assert_eq!(report.rows.iter().map(|r| r.pass).collect::<Vec<_>>(), [true, false, false]);
         assert!(table(&[report]).contains("3 rows, 2 failed"));
-    }
-
-    #[test]
-    fn numbers_have_six_figures() {
-        assert_eq!(number(Some(0.628_319)), "0.628319");
-        assert_eq!(number(Some(12.5)), "12.5000");
-        assert_eq!(number(Some(1e-9)), "1.0000e-9");
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::{
     case::{self, Case},
-    scene,
+    scene::{self, Addition},
     sim::Simulation,
     space::Grid,
 };
@@ -20,8 +20,13 @@ pub(super) const MEMORY: u64 = 1 << 30;
 impl Run {
     /// The scene of a case file with some keys set.
     pub fn new(text: &str, keys: &[String]) -> Result<Self, String> {
+        Self::adding(text, keys, &|_| Vec::new())
+    }
+
+    /// As [`Run::new`], with what the problem adds to the scene.
+    pub fn adding(text: &str, keys: &[String], addition: Addition<'_>) -> Result<Self, String> {
         let (case, _) = case::read("case.toml", text, keys).map_err(|e| e.to_string())?;
-        let scene = scene::build(&case, MEMORY).map_err(|e| e.to_string())?;
+        let scene = scene::build_adding(&case, MEMORY, addition).map_err(|e| e.to_string())?;
         Ok(Run { case, grid: scene.grid, sim: scene.simulation })
     }
 

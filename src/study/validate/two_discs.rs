@@ -1,7 +1,8 @@
 //! Two discs meet head on along the diagonal.
 
 use super::{
-    Effort, Files, Problem, Report,
+    Effort, Figure, Files, Problem, Report,
+    figure::Kind,
     measure::order,
     reference::Reference,
     setup::{Run, keys},
@@ -40,16 +41,34 @@ impl Problem for TwoDiscs {
             ));
             leads.push((h, lead));
             if h == 0.05 {
+                report.figure(collision.figure());
                 collision.rows(reference, report)?;
                 report.row(reference, "lead", lead / (h * std::f64::consts::SQRT_2))?;
             }
         }
         report.row(reference, "lead_order", order(&leads))?;
+        self.implicit(reference, report)?;
         self.steps(reference, report)
     }
 }
 
 impl TwoDiscs {
+    /// The same with average acceleration.
+    fn implicit(&self, reference: &Reference, report: &mut Report) -> Result<(), String> {
+        let set = [
+            ("grid.cell", "0.05"),
+            ("solver.scheme", "implicit"),
+            ("implicit.regime", "newmark"),
+            ("implicit.time_step", "0.01"),
+            ("implicit.pic_rate", "0.0"),
+        ];
+        let set = keys(&set.map(|(key, value)| (key, value.to_owned())));
+        let collision = Collision::run(self.files().case, &set, report)?;
+        report.row(reference, "implicit_momentum", collision.momentum)?;
+        report.row(reference, "implicit_minimum", collision.minimum)?;
+        report.row(reference, "implicit_after", collision.after)
+    }
+
     /// Energy error over shorter and shorter steps.
     fn steps(&self, reference: &Reference, report: &mut Report) -> Result<(), String> {
         let mut runs = Vec::new();
@@ -76,6 +95,10 @@ struct Collision {
     lost: f64,
     gain: f64,
     momentum: f64,
+    /// Kinetic energy over time (s).
+    kinetic: Vec<(f64, f64)>,
+    /// Strain energy over time (s).
+    strain: Vec<(f64, f64)>,
 }
 
 impl Collision {
@@ -83,11 +106,22 @@ impl Collision {
         let mut run = Run::new(text, keys)?;
         let before = run.sim.body.kinetic_energy();
         let scale = run.sim.initial_mass * 0.1;
-        let mut c =
-            Collision { before, contact: f64::NAN, minimum: 1.0, after: 0.0, lost: 0.0, gain: 0.0, momentum: 0.0 };
+        let mut c = Collision {
+            before,
+            contact: f64::NAN,
+            minimum: 1.0,
+            after: 0.0,
+            lost: 0.0,
+            gain: 0.0,
+            momentum: 0.0,
+            kinetic: Vec::new(),
+            strain: Vec::new(),
+        };
         run.until(run.case.end.time, |sim| {
             let e = sim.energies();
             c.after = e.kinetic / before;
+            c.kinetic.push((sim.time, c.after));
+            c.strain.push((sim.time, e.strain / before));
             if c.after < 0.999 && c.contact.is_nan() {
                 c.contact = sim.time;
             }
@@ -98,6 +132,17 @@ impl Collision {
         })?;
         report.count(&run.sim);
         Ok(c)
+    }
+
+    fn figure(&self) -> Figure {
+        Figure::new(
+            "Two discs: energies",
+            "explicit, MUSL, h = 0.05 m; after the impact the discs go on ringing",
+            "time (s)",
+            "energy over kinetic energy at the start",
+        )
+        .with("kinetic", Kind::Line, self.kinetic.clone())
+        .with("strain", Kind::Line, self.strain.clone())
     }
 
     fn rows(&self, reference: &Reference, report: &mut Report) -> Result<(), String> {

@@ -10,7 +10,8 @@
 use std::f64::consts::PI;
 
 use super::{
-    Effort, Files, Problem, Report,
+    Effort, Figure, Files, Problem, Report,
+    figure::Kind,
     measure::{largest, mean, order},
     reference::Reference,
     setup::{Run, keys, rectangle},
@@ -35,13 +36,24 @@ impl Problem for VibratingBar {
         let text = self.files().case;
         let bar = Bar::read(reference)?;
         let trace = bar.trace(Run::new(text, &[])?, report)?;
+        report.figure(bar.velocities(&trace));
         report.row(reference, "frequency", trace.frequency())?;
         report.row(reference, "amplitude", trace.amplitude(bar.omega))?;
         report.row(reference, "drift", trace.drift(bar.period()))?;
         report.row(reference, "swing", trace.swing(bar.period()))?;
         bar.convergence(text, effort, reference, report)?;
         let usl = bar.trace(Run::new(text, &keys(&[("explicit.stress_update", "usl".into())]))?, report)?;
-        report.row(reference, "usl_drift", usl.drift(bar.period()))
+        report.row(reference, "usl_drift", usl.drift(bar.period()))?;
+        let newmark = [
+            ("solver.scheme", "implicit"),
+            ("implicit.regime", "newmark"),
+            ("implicit.time_step", "0.05"),
+            ("implicit.pic_rate", "0.0"),
+        ];
+        let newmark = keys(&newmark.map(|(key, value)| (key, value.to_owned())));
+        let implicit = bar.trace(Run::new(text, &newmark)?, report)?;
+        report.row(reference, "newmark_frequency", implicit.frequency())?;
+        report.row(reference, "newmark_drift", implicit.drift(bar.period()))
     }
 }
 
@@ -49,6 +61,8 @@ struct Bar {
     length: f64,
     periods: f64,
     omega: f64,
+    /// Of the mean velocity (m/s).
+    amplitude: f64,
 }
 
 impl Bar {
@@ -57,6 +71,7 @@ impl Bar {
             length: reference.given("length")?,
             periods: reference.given("periods")?,
             omega: reference.exact("frequency")?,
+            amplitude: reference.exact("amplitude")?,
         })
     }
 
@@ -78,6 +93,20 @@ impl Bar {
         })?;
         report.count(&run.sim);
         Ok(trace)
+    }
+
+    /// Of the centre of mass over the first two periods.
+    fn velocities(&self, trace: &Trace) -> Figure {
+        let first = || trace.time.iter().copied().filter(|t| *t <= 2.0 * self.period());
+        let exact = |t: f64| (t, self.amplitude * (self.omega * t).cos());
+        Figure::new(
+            "Vibrating bar: velocity of the centre of mass",
+            "explicit, MUSL, h = 1 m; the first two of ten periods",
+            "time (s)",
+            "velocity (m/s)",
+        )
+        .with("ours", Kind::Line, first().zip(trace.velocity.iter().copied()).collect())
+        .with("exact", Kind::Exact, first().map(exact).collect())
     }
 
     /// Small amplitude, h halved again and again with dt ~ h.
@@ -105,6 +134,14 @@ impl Bar {
         }
         let fitted: Vec<_> = errors.iter().map(|&(h, error, _)| (h, error)).collect();
         report.row(reference, "order", order(&fitted))?;
+        let figure = Figure::convergence(
+            "Vibrating bar: error of the frequency",
+            "explicit, MUSL, dt in proportion to h",
+            "cell (m)",
+            "error, relative",
+        );
+        let points = fitted.iter().map(|(h, error)| (*h, error.abs())).collect();
+        report.figure(figure.with("ours", Kind::Marked, points).with_slope(2));
         // the ratio tends to 1 with h: extrapolated from the last two, of which one is half the other
         let ratio = errors.windows(2).last().map_or(f64::NAN, |e| 2.0 * e[1].2 - e[0].2);
         report.row(reference, "leading", ratio)
