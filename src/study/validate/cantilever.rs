@@ -139,7 +139,7 @@ fn deflections(slender: f64, coarse: &Tip, fine: &Tip, reference: &Reference) ->
     let answers = ALPHAS.iter().map(|alpha| reference.exact(&format!("v_{alpha}"))).collect::<Result<Vec<_>, _>>()?;
     Ok(Figure::new(
         &format!("Cantilever: deflection of the tip, L / d = {slender}"),
-        "the elastica has neither shear nor stretch",
+        "the elastica has neither shear nor stretch; it is known at the three loads, and the line between them is a guide",
         "P L^2 / EI",
         "deflection over L",
     )

@@ -18,6 +18,7 @@ use crate::{
     run::{self, Blind, Limits},
     scene::{self, Fields},
     study::{ensemble::realise, strength_reduction, workers},
+    work::Work,
 };
 
 /// See the module.
@@ -179,7 +180,7 @@ impl Plan<'_> {
         let jobs: Vec<u64> = (0..self.realisations as u64).collect();
         let work = |k: &u64| attempt(&realise(&case, Some(*k)), &fields, factor);
         let runs = workers::all(0, &jobs, &|_, _| {}, &work)?;
-        report.particle_steps += runs.iter().map(|run| run.particle_steps).sum::<u64>();
+        runs.iter().for_each(|run| report.count_work(&run.work));
         let share = |test: fn(&Attempt) -> bool| {
             let count = runs.iter().filter(|run| test(run)).count();
             Share::wilson(count, runs.len(), CONFIDENCE).ok_or("no realisations")
@@ -197,7 +198,7 @@ struct Attempt {
     failed: bool,
     /// Whether a uniform slope with the geometric mean of its field would fail.
     weak: bool,
-    particle_steps: u64,
+    work: Work,
 }
 
 fn attempt(case: &Case, fields: &Fields, factor: f64) -> Result<Attempt, String> {
@@ -209,7 +210,7 @@ fn attempt(case: &Case, fields: &Fields, factor: f64) -> Result<Attempt, String>
     let realisation = case.ensemble.realisation;
     let failed = strength_reduction::has_failed(&outcome)
         .ok_or_else(|| format!("realisation {realisation} shows neither failure nor stand: {}", outcome.message))?;
-    Ok(Attempt { failed, weak: mean_log < -factor.ln(), particle_steps: scene.simulation.work.particle_steps })
+    Ok(Attempt { failed, weak: mean_log < -factor.ln(), work: scene.simulation.work })
 }
 
 #[cfg(test)]

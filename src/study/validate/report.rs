@@ -130,8 +130,13 @@ impl Report {
 
     /// Books the work of a run that is over.
     pub(super) fn count(&mut self, simulation: &Simulation) {
-        self.particle_steps += simulation.work.particle_steps;
-        self.cost.add(&simulation.work);
+        self.count_work(&simulation.work);
+    }
+
+    /// As [`Report::count`], from the counters alone.
+    pub(super) fn count_work(&mut self, work: &Work) {
+        self.particle_steps += work.particle_steps;
+        self.cost.add(work);
     }
 
     /// Adds a picture.
