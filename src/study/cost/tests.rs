@@ -121,15 +121,15 @@ fn answers_name_the_cheapest_setting_and_the_ratio() {
     assert!(answers[2].picks.is_empty() && answers[2].text.contains("no setting that was run gets there"));
 }
 
-/// The coarsest mesh hits the value by chance; the next one does not.
+/// The coarsest mesh hits the value by chance; the next one is off by 1.5 %, and the finest by 0.75 %.
 #[test]
 fn an_error_that_is_small_by_chance_is_no_answer() {
     let plan =
         plan(&[("solver.shape", &["gimp"]), ("solver.scheme", &["implicit"]), ("implicit.time_step", &["0.02"])]);
-    let value = |h: f64| if h > 0.7 { 1.0 } else { 1.0 + 0.018 * h };
+    let value = |h: f64| if h > 0.7 { 1.0 } else { 1.0 + 0.03 * h };
     let mut rows = rows(&plan, |s| (value(s.case.grid.cell), 1.0 / s.case.grid.cell));
     let answers = judged(&mut rows, 1.0);
-    assert!(answers[1].picks[0].setting.contains("h = 0.5"), "{}", answers[1].text);
+    assert!(answers[1].picks[0].setting.contains("h = 0.25"), "{}", answers[1].text);
     assert!(answers[2].picks.is_empty());
 }
 
