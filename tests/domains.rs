@@ -113,10 +113,12 @@ fn bar(keys: &[&str]) -> (f64, f64) {
 /// The bar of the validation, two and three cells high, since a patch needs as many. Its domains
 /// lie inside their cells at first, where they weigh as points do: the leading error is that of the
 /// bilinear functions, (1/24 + 3/32) (kh)^2 = 5.3e-4 (see `validation/vibrating-bar`), and the bounds are
-/// those of the validation.
+/// those of the validation: half as much again. Splines smooth the gradient and the two maps by the spread
+/// h^2 / 4 of their weights about the point, (1/8 + 1/8) (kh)^2 = 9.9e-4.
 #[test]
 fn a_bar_swings_as_with_bilinear_functions() {
-    for (shape, rows) in [("linear", 3), ("gimp", 2), ("gimp_wide", 3), ("bspline", 2)] {
+    for (shape, rows, bound) in [("linear", 3, 8e-4), ("gimp", 2, 8e-4), ("gimp_wide", 3, 8e-4), ("bspline", 2, 1.5e-3)]
+    {
         for update in ["musl", "usl"] {
             let keys = [
                 &format!("solver.shape={shape}"),
@@ -127,7 +129,7 @@ fn a_bar_swings_as_with_bilinear_functions() {
             let (omega, drift) = bar(&keys.map(String::as_str));
             let error = omega / 0.628_318_530_717_958_6 - 1.0;
             println!("{shape} {update}: frequency error {error:.2e}, drift {drift:.2e}");
-            assert!(error.abs() < 8e-4, "{shape} {update}: {error:e}");
+            assert!(error.abs() < bound, "{shape} {update}: {error:e}");
             assert!(update == "usl" || drift.abs() < 2e-3, "{shape}: {drift:e}");
         }
     }

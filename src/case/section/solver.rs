@@ -129,10 +129,14 @@ pub(super) fn explicit(root: &mut Keys<'_>, chosen: Option<&Chosen>) -> Option<E
     })
 }
 
-/// MUSL is stable beside light nodes, unless APIC maps their velocity to and fro whole; USL is not.
+/// MUSL is stable beside light nodes; USL is not, and APIC, which gives a light node its velocity back whole,
+/// still less.
 fn default_mass_floor(stress_update: Option<StressUpdate>, chosen: Option<&Chosen>) -> f64 {
-    let whole = stress_update == Some(StressUpdate::Usl) || chosen.is_some_and(|c| c.transfer == Transfer::Apic);
-    if whole { 1e-3 } else { 0.0 }
+    match (chosen.map(|c| c.transfer), stress_update) {
+        (Some(Transfer::Apic), _) => 1e-2,
+        (_, Some(StressUpdate::Usl)) => 1e-3,
+        _ => 0.0,
+    }
 }
 
 fn stress_update(cursor: &Cursor<'_>) -> Option<StressUpdate> {
