@@ -292,8 +292,11 @@ fn the_implicit_scheme_tells_what_it_took_and_when_the_slope_lost_its_stability(
     has(&record, &[("/events/0/time_s", 'n'), ("/events/0/kind", 's'), ("/events/0/why", 's')]);
     assert_eq!((record["scheme"].as_str(), record["regime"].as_str()), (Some("implicit"), Some("auto")));
     let text = fs::read_to_string(out.join("history.csv")).expect("history.csv");
-    let last: Vec<&str> = text.lines().last().expect("a row").split(',').collect();
-    let [iterations, residual] = last[last.len() - 2..] else { panic!("two columns") };
+    let row = |line: Option<&str>| -> Vec<String> { line.expect("a row").split(',').map(str::to_owned).collect() };
+    let (names, last) = (row(text.lines().next()), row(text.lines().last()));
+    let of =
+        |name: &str| last[names.iter().position(|n| n == name).unwrap_or_else(|| panic!("{name}: {names:?}"))].clone();
+    let (iterations, residual) = (of("newton_iterations"), of("residual"));
     assert!(iterations.parse::<u32>().is_ok_and(|n| n > 0), "{iterations}");
     assert!(residual.parse::<f64>().is_ok_and(|r| r > 0.0 && r < 1e-3), "{residual}");
 }
