@@ -427,17 +427,59 @@ fn converge_leaves_table_and_pictures() {
     assert!(stdout.contains("median r"), "{stdout}");
     let study = json(&out.join("converge.json"));
     let rows = study["rows"].as_array().expect("rows");
-    // the mesh as it is, 20/29 of it, and 16 points a cell
+    // the mesh as it is, 20/29 of it, and 16 points a cell; then two more Courant numbers
     let points: Vec<u64> = rows.iter().filter_map(|r| r["points"].as_u64()).collect();
-    assert_eq!(points.len(), 3);
+    assert_eq!(points.len(), 5);
     assert_eq!(points[2], 4 * points[0]);
+    assert_eq!((points[3], points[4]), (points[0], points[0]));
+    let axes: Vec<&str> =
+        study["ladders"].as_array().expect("ladders").iter().filter_map(|l| l["axis"].as_str()).collect();
+    assert_eq!(axes, ["mesh", "points", "time_step"]);
     for row in rows {
         assert_eq!(row["runs"].as_array().map(Vec::len), Some(2));
         has(row, &[("/sliding_distance_m/median", 'n'), ("/failed", 'n'), ("/censored", 'n')]);
     }
-    for name in ["converge.png", "shapes.png"] {
+    for name in ["converge.png", "ladders.png", "shapes.png"] {
         assert!(fs::read(out.join(name)).expect(name).starts_with(b"\x89PNG"));
     }
+}
+
+/// The tip of an elastic column, whose exact place is known, with elements that are exact to the second order.
+#[test]
+fn converge_finds_the_rate_of_a_smooth_problem() {
+    let (_root, out) = folder();
+    let mut command = rmpm(&["converge", "cases/column.toml", "--quantity", "tip", "--quantity", "external"]);
+    command.args(["--set", "grid.cell=6.25", "--meshes", "6.25,3.125,1.5625", "--out"]).arg(&out);
+    let (stdout, _) = ends(command, 0);
+    assert!(stdout.contains("converges at the rate"), "{stdout}");
+    let study = json(&out.join("converge.json"));
+    assert_eq!(study["ladders"].as_array().map(Vec::len), Some(2));
+    let tip = &study["ladders"][0];
+    assert_eq!((tip["quantity"].as_str(), tip["verdict"].as_str()), (Some("tip"), Some("clean")));
+    // one run a level: nothing yields
+    assert_eq!(tip["levels"][0]["runs"].as_u64(), Some(1));
+    has(tip, &[("/rate/value", 'n'), ("/limit", 'n'), ("/uncertainty", 'n'), ("/rate_of_errors", 'n')]);
+}
+
+/// The same two fields on two meshes.
+#[test]
+fn converge_pairs_realisations() {
+    let (_root, out) = folder();
+    let mut command =
+        rmpm(&["converge", "cases/random-slope.toml", "--set", "end.time=2", "--quantity", "max_displacement"]);
+    command.args(["--set", "explicit.time_step=0.005", "--realisations", "3", "--meshes", "1,0.5", "--out"]).arg(&out);
+    let (stdout, _) = ends(command, 0);
+    assert!(stdout.contains("means over 3 realisations, differences of pairs"), "{stdout}");
+    let study = json(&out.join("converge.json"));
+    let value = |row: usize, k: usize| study["rows"][row]["runs"][k]["values"][0].as_f64().expect("a value");
+    let paired = (0..3).map(|k| value(1, k) - value(0, k)).sum::<f64>() / 3.0;
+    let difference = study["ladders"][0]["levels"][0]["difference"]["value"].as_f64().expect("a difference");
+    // rounding of sums of three
+    assert!((difference - paired).abs() <= 1e-14 * value(0, 0).abs(), "{difference} {paired}");
+    let mut alone = rmpm(&["converge", SLOPE, "--realisations", "2", "--meshes", "--out"]);
+    alone.arg(out.join("alone"));
+    let (_, stderr) = ends(alone, 2);
+    assert!(stderr.contains("no random field"), "{stderr}");
 }
 
 /// Cells of 1 m and a weaker clay, which slides.

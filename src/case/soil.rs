@@ -27,6 +27,17 @@ impl Material {
             Material::Elastic { elastic } | Material::VonMises { elastic, .. } => elastic,
         }
     }
+
+    /// Whether the law has a strength.
+    pub fn yields(&self) -> bool {
+        matches!(self, Material::VonMises { .. })
+    }
+
+    /// Whether it softens and nothing gives its shear bands a width but the cells.
+    pub fn softens_without_length(&self) -> bool {
+        matches!(self, Material::VonMises { strength: s, .. }
+            if s.softening_modulus < 0.0 && s.regularisation == Regularisation::None)
+    }
 }
 
 /// Weight and stiffness.

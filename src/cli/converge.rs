@@ -1,21 +1,20 @@
 //! `rmpm converge`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use super::{Failure, exit::print, input::CaseArgs, interrupt, progress::runs_bar};
 use crate::{
-    case::Case,
-    output::{
-        folder, pictures,
-        plot::{self, AxisSpec, FieldKind, Interval, IntervalPlot},
-    },
+    case::{Case, Material},
+    output::folder,
     run::Limits,
-    snapshot::Snapshot,
     study::{
-        converge::{self, Plan, Study, typical},
+        converge::{self, Axis, Draws, LadderPlan, Plan},
         variant::{self, Variant},
     },
 };
+
+/// Jittered runs of a level where the soil has a strength and nothing else is asked for.
+const RUNS: u32 = 6;
 
 #[derive(Debug, clap::Args)]
 pub struct Args {
@@ -24,15 +23,21 @@ pub struct Args {
     /// Folder for table and pictures; out/<name of the case>-converge without it
     #[arg(long, short)]
     out: Option<PathBuf>,
-    /// Jittered runs a variant
-    #[arg(long, default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=10_000))]
-    runs: u32,
+    #[command(flatten)]
+    ladders: Ladders,
+    /// A probe by its name, or a measure such as sliding_distance (repeatable); without it the first probe, else the
+    /// sliding distance, else the largest displacement
+    #[arg(long, value_name = "NAME")]
+    quantity: Vec<String>,
+    /// Jittered runs a level; 1: one run as the case is. Without it 6, or 1 where no soil has a strength
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    runs: Option<u32>,
     /// Largest relative change of strength between runs
     #[arg(long, default_value_t = 0.0005)]
     jitter: f64,
-    /// Vary a key instead of mesh and points, e.g. --vary boundary.base.coefficient=0.2,0.5 (repeatable)
-    #[arg(long, value_name = "KEY=V1,V2", value_parser = variant::parse)]
-    vary: Vec<Vec<Variant>>,
+    /// Realisations of the random fields in place of jittered runs, the same at every level
+    #[arg(long, value_name = "N", conflicts_with = "runs", value_parser = clap::value_parser!(u32).range(2..=10_000))]
+    realisations: Option<u32>,
     /// Runs at a time; all cores without it
     #[arg(long, short = 'j')]
     jobs: Option<usize>,
@@ -41,8 +46,27 @@ pub struct Args {
     json: bool,
 }
 
+/// What is refined or varied. Without any of these: the mesh and 20/29 of it, the points and twice as many an axis,
+/// and three time steps.
+#[derive(Debug, clap::Args)]
+struct Ladders {
+    /// Cell sizes, e.g. --meshes 0.5,0.25,5/29; h, h/2 and h/4 without values
+    #[arg(long, value_name = "H1,H2", num_args = 0..=1, default_missing_value = "")]
+    meshes: Option<String>,
+    /// Points per cell an axis, e.g. --points 2,3,4; n, n + 1 and n + 2 without values
+    #[arg(long, value_name = "N1,N2", num_args = 0..=1, default_missing_value = "")]
+    points: Option<String>,
+    /// Courant numbers or time steps, whichever the case has, e.g. --steps 0.5,0.25; three halvings without values
+    #[arg(long, value_name = "V1,V2", num_args = 0..=1, default_missing_value = "")]
+    steps: Option<String>,
+    /// Vary a key instead, e.g. --vary boundary.base.coefficient=0.2,0.5 (repeatable)
+    #[arg(long, value_name = "KEY=V1,V2", value_parser = variant::parse)]
+    vary: Vec<Vec<Variant>>,
+}
+
 pub fn run(args: &Args) -> Result<(), Failure> {
     let (case, source) = args.case.read()?;
+    let ladders = args.ladders.plans(&case).map_err(Failure::Input)?;
     let stem = args.case.case.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from("out").join(format!("{stem}-converge")));
     let write = |e: std::io::Error| Failure::io(&out.display().to_string(), &e);
@@ -51,9 +75,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         name: source.path.clone(),
         text: source.text.clone(),
         overrides: source.overrides.clone(),
-        variants: variants(&args.vary, &case),
-        runs: args.runs as usize,
-        jitter: args.jitter,
+        variants: args.ladders.variants(),
+        ladders,
+        quantities: args.quantity.clone(),
+        draws: draws(args, &case),
         max_memory: args.case.max_memory,
         threads: args.jobs.unwrap_or(0),
         limits: Limits { interrupt: Some(interrupt::flag()), time_limit: None },
@@ -61,7 +86,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let study = converge::converge(&plan, &runs_bar(false)).map_err(Failure::Input)?;
     let json = serde_json::to_string_pretty(&study).map_err(|e| write(e.into()))?;
     folder::write_text(&out.join("converge.json"), &(json.clone() + "\n")).map_err(write)?;
-    draw(&out, &case, &study).map_err(write)?;
+    converge::draw(&out, &case, &study).map_err(write)?;
     let table = || format!("{}left in {}\n", converge::table(&study), out.display());
     print(&if args.json { json + "\n" } else { table() })?;
     if interrupt::flag().load(std::sync::atomic::Ordering::Relaxed) {
@@ -71,51 +96,39 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if failed > 0 { Err(Failure::Partly(format!("{failed} runs failed"))) } else { Ok(()) }
 }
 
-fn variants(vary: &[Vec<Variant>], case: &Case) -> Vec<Variant> {
-    if vary.is_empty() {
-        return converge::usual_variants(case.grid.cell, case.points.per_axis);
+fn draws(args: &Args, case: &Case) -> Draws {
+    if let Some(runs) = args.realisations {
+        return Draws::Realisations { runs: runs as usize };
     }
-    std::iter::once(Variant::base()).chain(vary.iter().flatten().cloned()).collect()
+    let has_strength = case.material.values().any(Material::yields);
+    match args.runs.unwrap_or(if has_strength { RUNS } else { 1 }) {
+        1 => Draws::Single,
+        runs => Draws::Jittered { runs: runs as usize, jitter: args.jitter },
+    }
 }
 
-fn draw(out: &Path, case: &Case, study: &Study) -> std::io::Result<()> {
-    plot::intervals(&out.join("converge.png"), &intervals(study))?;
-    let shown: Vec<(String, &Snapshot)> = study
-        .rows
-        .iter()
-        .filter_map(|row| {
-            let run = typical(row)?;
-            let r = run.sliding_distance_m.map(|r| format!(", r = {r:.2} m")).unwrap_or_default();
-            Some((format!("{}: the run nearest to the median{r}", row.variant), run.snapshot.as_ref()?))
-        })
-        .collect();
-    let kind =
-        if crate::run::residual_strain(case).is_some() { FieldKind::PlasticStrain } else { FieldKind::Displacement };
-    let mut options = pictures::options(case, kind);
-    options.range = pictures::range(case, kind);
-    options.captions = shown.iter().map(|(caption, _)| caption.clone()).collect();
-    let views: Vec<&Snapshot> = shown.iter().map(|(_, s)| *s).collect();
-    plot::field(&out.join("shapes.png"), &views, &options)
-}
+impl Ladders {
+    /// The case as it is and each key with each value, where keys are varied.
+    fn variants(&self) -> Vec<Variant> {
+        let varied = self.vary.iter().flatten().cloned();
+        if self.vary.is_empty() { Vec::new() } else { std::iter::once(Variant::base()).chain(varied).collect() }
+    }
 
-fn intervals(study: &Study) -> IntervalPlot {
-    let has_slide = study.rows.iter().any(|r| r.sliding_distance_m.is_some());
-    let item = |row: &converge::Row| {
-        let s = if has_slide { row.sliding_distance_m } else { row.runout_m };
-        let pick = |r: &converge::Run| if has_slide { r.sliding_distance_m } else { Some(r.runout_m) };
-        Interval {
-            label: row.variant.clone(),
-            low: s.map_or(f64::NAN, |s| s.lower_quartile),
-            median: s.map_or(f64::NAN, |s| s.median),
-            high: s.map_or(f64::NAN, |s| s.upper_quartile),
-            values: row.runs.iter().filter_map(pick).collect(),
+    fn plans(&self, case: &Case) -> Result<Vec<LadderPlan>, String> {
+        let wishes = [(Axis::Mesh, &self.meshes), (Axis::Points, &self.points), (Axis::TimeStep, &self.steps)];
+        if wishes.iter().any(|(_, wish)| wish.is_some()) || !self.vary.is_empty() {
+            return wishes.iter().filter_map(|(axis, wish)| Some(plan(*axis, wish.as_ref()?, case))).collect();
         }
-    };
-    IntervalPlot {
-        title: Some(format!("Median, quartiles and single runs; strength jittered by +-{} %", 100.0 * study.jitter)),
-        x_label: "variant".to_owned(),
-        y: AxisSpec::linear(if has_slide { "sliding distance r (m)" } else { "run-out (m)" }),
-        items: study.rows.iter().map(item).collect(),
-        ..IntervalPlot::default()
+        // a case whose time step is chosen by an error has none to refine; the study says so
+        Ok(converge::paper(case).into_iter().chain(Axis::TimeStep.usual(case)).collect())
     }
+}
+
+/// A ladder with values `V1,V2,...`, or the usual one where there is none.
+fn plan(axis: Axis, values: &str, case: &Case) -> Result<LadderPlan, String> {
+    if values.is_empty() {
+        return axis.usual(case);
+    }
+    let levels = values.split(',').map(|value| axis.level(case, value.trim())).collect();
+    Ok(LadderPlan { axis, levels })
 }

@@ -151,11 +151,7 @@ pub fn sha256(bytes: &[u8]) -> String {
 fn about(case: &Case, outcome: &Outcome) -> Vec<Warning> {
     let m = &outcome.measures;
     let mut w = Vec::new();
-    if case
-        .material
-        .values()
-        .any(|m| matches!(m, case::Material::VonMises { strength: s, .. } if s.softening_modulus < 0.0 && s.regularisation == case::Regularisation::None))
-    {
+    if case.material.values().any(case::Material::softens_without_length) {
         w.push(Warning::new(
             "mesh_dependent_softening",
             "material",

@@ -5,6 +5,7 @@ mod clock;
 pub mod compare;
 pub mod converge;
 pub mod cost;
+mod digits;
 pub mod ensemble;
 pub mod fields;
 pub mod multilevel;

@@ -32,6 +32,15 @@ pub struct Spread {
     pub high: f64,
 }
 
+/// A statistic over resamples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Resampled {
+    /// Over the resamples that have it; `None` for fewer than two.
+    pub spread: Option<Spread>,
+    /// Share of the resamples that have it.
+    pub defined: f64,
+}
+
 impl Bootstrap {
     /// Spread of a statistic, which is given each resample in ascending order. `None` if the sample
     /// is empty or not finite, or if the statistic is finite for fewer than two resamples.
@@ -56,6 +65,24 @@ impl Bootstrap {
         std::array::from_fn(|k| self.summarise(rows.iter().map(|row| row[k])))
     }
 
+    /// Statistics of several samples at once, each resample in any order. `paired`: values of one place belong
+    /// together and are drawn together (the samples are as long as the shortest). A statistic that is not finite is
+    /// one that the resample does not have.
+    pub fn joint(
+        &self,
+        samples: &[Vec<f64>],
+        paired: bool,
+        statistics: impl Fn(&[Vec<f64>]) -> Vec<f64>,
+    ) -> Vec<Resampled> {
+        let rows: Vec<Vec<f64>> =
+            (0..self.resamples).map(|k| statistics(&redrawn(samples, paired, self.seed, k))).collect();
+        let of = |k: usize| {
+            let values = || rows.iter().filter_map(|row| row.get(k)).copied().filter(|v| v.is_finite());
+            Resampled { spread: self.summarise(values()), defined: values().count() as f64 / rows.len() as f64 }
+        };
+        (0..rows.first().map_or(0, Vec::len)).map(of).collect()
+    }
+
     fn summarise(&self, values: impl Iterator<Item = f64>) -> Option<Spread> {
         let mut values: Vec<f64> = values.filter(|v| v.is_finite()).collect();
         values.sort_by(f64::total_cmp);
@@ -63,6 +90,20 @@ impl Bootstrap {
         let (_, sd) = super::normal::mean_and_sd(&values)?;
         Some(Spread { standard_error: sd, low: quantile(&values, outside)?, high: quantile(&values, 1.0 - outside)? })
     }
+}
+
+/// Resample `k` of several samples.
+fn redrawn(samples: &[Vec<f64>], paired: bool, seed: u64, k: usize) -> Vec<Vec<f64>> {
+    let mut draws = Draws::new(seed, k);
+    let shortest = samples.iter().map(Vec::len).min().unwrap_or(0);
+    let places: Vec<usize> = if paired { (0..shortest).map(|_| draws.index(shortest)).collect() } else { Vec::new() };
+    let mut one = |sample: &Vec<f64>| -> Vec<f64> {
+        if paired {
+            return places.iter().map(|&k| sample[k]).collect();
+        }
+        (0..sample.len()).map(|_| sample[draws.index(sample.len())]).collect()
+    };
+    samples.iter().map(&mut one).collect()
 }
 
 /// One resample after the other, each in ascending order without being sorted.
@@ -116,5 +157,21 @@ mod tests {
         assert_eq!(Bootstrap::default().spread(&sample, ordered).unwrap().low, 1.0);
         assert!(Bootstrap::default().spread(&[], |_| 0.0).is_none());
         assert!(Bootstrap::default().spread(&[1.0, f64::NAN], |_| 0.0).is_none());
+    }
+    /// b = a + 1 exactly: paired, the difference of the means does not spread; on its own it spreads by sqrt 2 of
+    /// one mean. Four times the 1.6 % of 2000 resamples.
+    #[test]
+    fn pairs_are_drawn_together() {
+        let a: Vec<f64> = (0..50).map(|k| f64::from(k * 37 % 50)).collect();
+        let b: Vec<f64> = a.iter().map(|v| v + 1.0).collect();
+        let samples = [a.clone(), b];
+        let mean = |s: &[f64]| mean_and_sd(s).unwrap().0;
+        let difference = |s: &[Vec<f64>]| vec![mean(&s[1]) - mean(&s[0]), f64::NAN];
+        let paired = Bootstrap::default().joint(&samples, true, difference);
+        assert!(paired[0].spread.unwrap().standard_error < 1e-12 && paired[0].defined == 1.0);
+        assert!(paired[1].spread.is_none() && paired[1].defined == 0.0);
+        let alone = Bootstrap::default().joint(&samples, false, difference)[0].spread.unwrap();
+        let exact = mean_and_sd(&a).unwrap().1 * (2.0_f64 * 0.98 / 50.0).sqrt();
+        assert!((alone.standard_error / exact - 1.0).abs() < 0.064, "{}", alone.standard_error / exact);
     }
 }

@@ -17,10 +17,11 @@ mod normal;
 mod order;
 mod paired;
 mod random;
+pub mod richardson;
 mod share;
 mod summary;
 
-pub use bootstrap::{Bootstrap, Spread};
+pub use bootstrap::{Bootstrap, Resampled, Spread};
 pub use censored::{CensoredFit, Censoring, Unfit};
 pub use convergence::{Prefix, Reached, Rule, Running, Target, running};
 pub use decay::{Bias, Rate, rate};

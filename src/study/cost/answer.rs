@@ -5,11 +5,11 @@
 
 use serde::Serialize;
 
-use super::{
-    Row,
-    setting::{digits, figure, word_of},
+use super::{Row, setting::word_of};
+use crate::{
+    case::Scheme,
+    study::digits::{digits, figure},
 };
-use crate::case::Scheme;
 
 /// The errors that are asked for.
 pub const TARGETS: [f64; 3] = [0.1, 0.01, 0.001];

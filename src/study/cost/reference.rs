@@ -1,20 +1,14 @@
 //! What errors are measured against: an exact value, else the limit of a ladder of meshes, else the finest run.
 //!
-//! On three meshes with cells h r^2, h r and h and values v1, v2, v3 that approach the limit v as c h^p
-//! ```text
-//! p = ln((v1 - v2) / (v2 - v3)) / ln r,   v = v3 + (v3 - v2) / (r^p - 1)
-//! ```
-//! (Richardson; Roache 1997). The rate is clean where both differences have one sign, and p lies in [`RATES`]: out of
-//! it the meshes are not yet, or no longer, where the formula holds.
+//! Rate and limit are those of the finest three meshes (`math::stats::richardson`). The rate is clean where the
+//! differences have one sign and it lies in [`RATES`].
 
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 
 use super::setting::Setting;
-
-/// Rates that a ladder may show: from half an order, as beside a corner, to two orders above the second.
-const RATES: [f64; 2] = [0.5, 4.0];
+use crate::math::stats::richardson::{self, RATES};
 
 /// Where the reference comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -101,7 +95,7 @@ fn one(ladder: &[&Point<'_>], points: &[Point<'_>]) -> Ladder {
     steps.sort_by(|a, b| b.setting.case.grid.cell.total_cmp(&a.setting.case.grid.cell));
     let cells: Vec<f64> = steps.iter().map(|p| p.setting.case.grid.cell).collect();
     let values: Vec<f64> = steps.iter().map(|p| p.value).collect();
-    let order = order(&cells, &values);
+    let order = finest(&cells).zip(finest(&values)).and_then(|(h, v)| richardson::order(h, v));
     let coarser = |p: &Point<'_>| points.iter().any(|q| q.setting.refines(p.setting) && same_mesh(p, q));
     Ladder {
         setting: steps[0].setting.ladder(),
@@ -119,22 +113,14 @@ fn same_mesh(a: &Point<'_>, b: &Point<'_>) -> bool {
 }
 
 /// The finest three of a list.
-fn finest(list: &[f64]) -> Option<[f64; 3]> {
-    list.last_chunk().copied()
+fn finest(list: &[f64]) -> Option<&[f64; 3]> {
+    list.last_chunk()
 }
 
-/// p of the finest three, where their cells have one ratio (to rounding) and the differences one sign.
-fn order(cells: &[f64], values: &[f64]) -> Option<f64> {
-    let ([h1, h2, h3], [v1, v2, v3]) = (finest(cells)?, finest(values)?);
-    let one_ratio = (h1 / h2 - h2 / h3).abs() < 1e-9 * h1 / h2;
-    let p = ((v1 - v2) / (v2 - v3)).ln() / (h2 / h3).ln();
-    (one_ratio && p.is_finite()).then_some(p)
-}
-
+/// The limit, where the rate is clean.
 fn limit(cells: &[f64], values: &[f64], order: f64) -> Option<f64> {
-    let ([_, h2, h3], [_, v2, v3]) = (finest(cells)?, finest(values)?);
     let clean = (RATES[0]..=RATES[1]).contains(&order);
-    clean.then(|| v3 + (v3 - v2) / ((h2 / h3).powf(order) - 1.0))
+    clean.then(|| richardson::limit(cells, values, order)).flatten()
 }
 
 /// The reference of a study; `None` where no run gave a value.

@@ -5,9 +5,13 @@ use std::fmt::Write;
 use super::{
     Basis, Plan, Row, SHORT, Skipped, Study,
     answer::{figure_of_two, seconds},
-    setting::{digits, figure, is_numerical},
+    setting::is_numerical,
 };
-use crate::{case::Scheme, run::Status};
+use crate::{
+    case::Scheme,
+    run::Status,
+    study::digits::{digits, figure},
+};
 
 /// The table for people.
 pub fn table(study: &Study) -> String {
