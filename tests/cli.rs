@@ -444,7 +444,7 @@ fn converge_leaves_table_and_pictures() {
     }
 }
 
-/// The tip of an elastic column, whose exact place is known, with elements that are exact to the second order.
+/// The tip of an elastic column, whose exact place is known: a clean rate, of one run a level.
 #[test]
 fn converge_finds_the_rate_of_a_smooth_problem() {
     let (_root, out) = folder();
