@@ -43,6 +43,8 @@ pub struct Measures {
     /// What the probes of the case read, in its order.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub probes: Vec<Reading>,
+    /// Groups of points that share no node, at the start and at the end: more at the end have parted numerically.
+    pub pieces: [u64; 2],
     /// Points in each stage of the law: elastic, unloading, softening, residual.
     pub stage_points: [u64; 4],
 }

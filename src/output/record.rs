@@ -174,6 +174,7 @@ fn about(case: &Case, outcome: &Outcome) -> Vec<Warning> {
     }
     w.extend(numerical_energy(case, outcome));
     w.extend(energy_drift(case, outcome));
+    w.extend(parted(outcome));
     if outcome.status == Status::EndTime && case.end.at_rest && m.energy_kj_per_m.nodal_kinetic > 0.0 {
         w.push(Warning::new("not_at_rest", "end.time", "the run ended before the body came to rest".into()));
     }
@@ -209,6 +210,17 @@ fn energy_drift(case: &Case, outcome: &Outcome) -> Option<Warning> {
         case.step_keys()
     );
     Some(Warning::new("energy_drift", "guard.warning", text))
+}
+
+/// A body in more pieces than at the start.
+fn parted(outcome: &Outcome) -> Option<Warning> {
+    let [first, last] = outcome.measures.pieces;
+    (last > first).then(|| {
+        let text = format!(
+            "the body has parted: it was in {first} and is in {last} pieces that share no node, so that no stress passes between them. No law here lets soil tear: its points have come further apart than the shape functions reach; use more points a cell, or solver.shape = \"gimp_wide\""
+        );
+        Warning::new("parted", "solver.shape", text)
+    })
 }
 
 /// Domains that have outgrown what the shape functions take.

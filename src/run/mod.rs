@@ -20,6 +20,7 @@ use crate::{
     case::{self, Case},
     fault::Fault,
     measure::{
+        pieces,
         probe::Reading,
         summary::{Measures, measures},
     },
@@ -286,6 +287,7 @@ impl<'a> Loop<'a> {
             slide.add_onset(&mut m, &snapshot);
         }
         m.probes = self.case.probe.iter().map(|probe| Reading::of(probe, &snapshot)).collect();
+        m.pieces = pieces(self.case, &snapshot.reference, &snapshot.position);
         m.mass_error = sim.mass_error();
         m.momentum_error = sim.momentum_error();
         let steps = sim.work.steps;

@@ -23,11 +23,11 @@ const READINGS: [(&str, &[(&str, &str)]); 3] = [
 
 /// One block.
 #[derive(Clone, Copy)]
-struct Block {
+pub(super) struct Block {
     /// Cell size (m).
-    cell: u32,
+    pub cell: u32,
     /// Points an axis and cell.
-    points: u32,
+    pub points: u32,
 }
 
 impl Problem for BlockCollapse {
@@ -93,7 +93,7 @@ impl BlockCollapse {
         Ok(())
     }
 
-    fn collapse(&self, block: Block, set: &[(&str, &str)], report: &mut Report) -> Result<End, String> {
+    pub(super) fn collapse(&self, block: Block, set: &[(&str, &str)], report: &mut Report) -> Result<End, String> {
         let mut all =
             keys(&[("grid.cell", format!("{}.0", block.cell)), ("points.per_axis", block.points.to_string())]);
         all.extend(set.iter().map(|(key, value)| format!("{key}={value}")));
@@ -125,15 +125,17 @@ impl Block {
 }
 
 /// What a run came to.
-struct End {
+pub(super) struct End {
     /// Share of gravity.
-    share: f64,
+    pub share: f64,
     runout: f64,
     height: f64,
     /// Kinetic energy over the work of gravity.
     kinetic: f64,
     /// Steps, cuts and iterations, in words.
     work: String,
+    /// Newton iterations.
+    pub iterations: u64,
     /// Places of the points (m).
     places: Vec<(f64, f64)>,
 }
@@ -161,6 +163,7 @@ impl End {
             height: most(1),
             kinetic: energies.kinetic / energies.external,
             work: format!("{steps} steps, {cut} refused, {newton} iterations, {} domains cut", work.domain_clamps),
+            iterations: newton,
             places: after.position.iter().map(|x| (x[0], x[1])).collect(),
         }
     }

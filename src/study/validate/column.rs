@@ -110,7 +110,7 @@ impl Column {
 
     fn build(&self, rows: usize, more: &[(&str, String)], length: f64) -> Result<Run, String> {
         let h = length / rows as f64;
-        let width = 2.0 * h;
+        let width = 3.0 * h;
         let mut set = keys(&[
             ("grid.cell", format!("{h:?}")),
             ("grid.size", format!("[{width:?}, {length:?}]")),
@@ -120,7 +120,7 @@ impl Column {
         Run::new(self.files().case, &set)
     }
 
-    fn squeeze(
+    pub(super) fn squeeze(
         &self,
         rows: usize,
         more: &[(&str, String)],
@@ -143,9 +143,9 @@ fn sizes(effort: Effort) -> &'static [usize] {
 }
 
 /// What came out of one column.
-struct Squeezed {
+pub(super) struct Squeezed {
     /// sum |sigma_yy - exact| V0 / (rho0 g l0 sum V0).
-    stress: f64,
+    pub stress: f64,
     /// Mean |u - exact| / |u of the tip|.
     displacement: f64,
     iterations: u64,

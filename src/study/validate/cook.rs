@@ -56,15 +56,15 @@ impl Problem for Cook {
 }
 
 #[derive(Clone, Copy)]
-struct Setup {
-    h: f64,
-    points: usize,
-    locking: &'static str,
-    cut: &'static str,
+pub(super) struct Setup {
+    pub h: f64,
+    pub points: usize,
+    pub locking: &'static str,
+    pub cut: &'static str,
 }
 
 impl Setup {
-    const CURED: Setup = Setup { h: 1.0, points: 3, locking: "b_bar", cut: "scaled" };
+    pub(super) const CURED: Setup = Setup { h: 1.0, points: 3, locking: "b_bar", cut: "scaled" };
 
     fn name(self) -> String {
         format!("h = {} m, {} x {} points, cut cells {}", self.h, self.points, self.points, self.cut)
@@ -84,7 +84,14 @@ impl Setup {
 }
 
 impl Cook {
-    fn panel(&self, setup: Setup, key: &str, reference: &Reference, report: &mut Report) -> Result<f64, String> {
+    /// Deflection of the tip (m); a row against the answer `key`.
+    pub(super) fn panel(
+        &self,
+        setup: Setup,
+        key: &str,
+        reference: &Reference,
+        report: &mut Report,
+    ) -> Result<f64, String> {
         let mut run = Run::new(self.files().case, &setup.keys())?;
         run.until(run.case.end.time, |_| ())?;
         report.count(&run.sim);

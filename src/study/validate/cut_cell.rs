@@ -42,22 +42,22 @@ impl Problem for CutCell {
 
 /// One run.
 #[derive(Clone, Copy)]
-struct Setup {
+pub(super) struct Setup {
     /// Cells by which the last points lie past a node; `None` for a block on whole cells.
-    past: Option<f64>,
-    gamma: f64,
+    pub past: Option<f64>,
+    pub gamma: f64,
     /// gamma_M, in the regime with inertia.
-    mass: Option<f64>,
+    pub mass: Option<f64>,
     /// Finite strain.
-    finite: bool,
-    steps: f64,
+    pub finite: bool,
+    pub steps: f64,
 }
 
 /// What came out.
-struct Standing {
-    condition: f64,
-    /// Iterations of the last step.
-    iterations: f64,
+pub(super) struct Standing {
+    pub condition: f64,
+    /// Mean number of iterations of a step.
+    pub iterations: f64,
     /// sigma_yy over rho g H of each point above what is held.
     stress: Vec<f64>,
     /// Its largest error.
@@ -67,7 +67,7 @@ struct Standing {
 }
 
 impl CutCell {
-    fn stand(&self, setup: Setup, reference: &Reference, report: &mut Report) -> Result<Standing, String> {
+    pub(super) fn stand(&self, setup: Setup, reference: &Reference, report: &mut Report) -> Result<Standing, String> {
         let mut set = vec![
             ("implicit.time_step", format!("{:?}", 1.0 / setup.steps)),
             ("implicit.ghost_stiffness", format!("{:?}", setup.gamma)),

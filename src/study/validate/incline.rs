@@ -46,12 +46,13 @@ impl Problem for Incline {
 }
 
 impl Incline {
-    fn tilted(&self, scheme: Scheme, h: f64, tangent: f64) -> Result<Block, String> {
+    fn tilted(&self, scheme: Scheme, h: f64, tangent: f64, more: &[String]) -> Result<Block, String> {
         let tilt = tangent.atan().to_degrees();
         let mut set = keys(&[("grid.cell", format!("{h:?}")), ("gravity.tilt", format!("{tilt:?}"))]);
         if let Scheme::Implicit(regime) = scheme {
             set.extend(keys(&[("solver.scheme", "implicit".into()), ("implicit.regime", regime.into())]));
         }
+        set.extend_from_slice(more);
         Block::new(Run::new(self.files().case, &set)?)
     }
 
@@ -63,7 +64,7 @@ impl Incline {
         reference: &Reference,
         report: &mut Report,
     ) -> Result<(), String> {
-        let mut block = self.tilted(scheme, h, 0.4 * factor)?;
+        let mut block = self.tilted(scheme, h, 0.4 * factor, &[])?;
         block.run.until(block.full_pull + reference.given("first")?, |_| ())?;
         let (t, v) = (block.run.sim.time, block.velocity());
         let mut trace = vec![(t, v)];
@@ -94,29 +95,49 @@ impl Incline {
         report.row_of(reference, "rise", &format!("h = {h} m"), None, (block.way()[1] - settled) / settled.abs())
     }
 
-    /// Steepest tangent at which the block has not slid: bisection to a tenth of the tolerance.
     fn threshold(&self, h: f64, reference: &Reference, report: &mut Report) -> Result<(), String> {
+        let tangent = self.steepest_watched(h, &[], reference, report)?;
+        report.row_of(reference, "threshold", &format!("h = {h} m"), None, tangent)
+    }
+
+    fn still_threshold(&self, h: f64, reference: &Reference, report: &mut Report) -> Result<(), String> {
+        let tangent = self.steepest_still(h, &[], reference, report)?;
+        report.row_of(reference, "still_threshold", &format!("h = {h} m"), None, tangent)
+    }
+
+    /// Steepest tangent at which the block has not slid: bisection to a tenth of the tolerance.
+    pub(super) fn steepest_watched(
+        &self,
+        h: f64,
+        more: &[String],
+        reference: &Reference,
+        report: &mut Report,
+    ) -> Result<f64, String> {
         let watch = reference.given("watch")?;
         let mu = reference.exact("threshold")?;
-        let tangent = bisect(0.97 * mu, 1.03 * mu, 5e-4, |tangent| {
-            let mut block = self.tilted(Scheme::Explicit, h, tangent)?;
+        bisect(0.97 * mu, 1.03 * mu, 5e-4, |tangent| {
+            let mut block = self.tilted(Scheme::Explicit, h, tangent, more)?;
             block.run.until(block.full_pull + watch, |_| ())?;
             report.count(&block.run.sim);
             Ok(!block.has_slid())
-        })?;
-        report.row_of(reference, "threshold", &format!("h = {h} m"), None, tangent)
+        })
     }
 
     /// Without inertia: the pull grows on an incline that is a little too steep, in steps that are halved until
     /// none finds equilibrium.
-    fn still_threshold(&self, h: f64, reference: &Reference, report: &mut Report) -> Result<(), String> {
+    pub(super) fn steepest_still(
+        &self,
+        h: f64,
+        more: &[String],
+        reference: &Reference,
+        report: &mut Report,
+    ) -> Result<f64, String> {
         let tangent = 1.05 * reference.exact("still_threshold")?;
-        let mut block = self.tilted(Scheme::Implicit("quasi_static"), h, tangent)?;
+        let mut block = self.tilted(Scheme::Implicit("quasi_static"), h, tangent, more)?;
         let bracket = last_equilibrium(&mut block.run)?.ok_or("a block that should slide is in equilibrium")?;
         report.count(&block.run.sim);
         let share = |time: f64| 1.0 - (block.full_pull - time) / block.pull_time;
-        let steepest = tangent * 0.5 * (share(bracket.holds) + share(bracket.fails));
-        report.row_of(reference, "still_threshold", &format!("h = {h} m"), None, steepest)
+        Ok(tangent * 0.5 * (share(bracket.holds) + share(bracket.fails)))
     }
 }
 

@@ -38,8 +38,7 @@ impl Problem for LightNode {
             }
         }
         for &past in places {
-            let mut block = self.block("usl", past)?.without_floor()?;
-            let most = block.watch(reference.given("steps")? as usize, report).energy;
+            let most = self.growth("usl", false, past, reference, report)?;
             report.row_of(reference, "no_floor", &format!("{past:e} h"), None, most)?;
         }
         Ok(())
@@ -49,6 +48,20 @@ impl Problem for LightNode {
 impl LightNode {
     fn block(&self, update: &'static str, past: f64) -> Result<Block, String> {
         Block::new(self.files().case, update, past, &[])
+    }
+
+    /// Largest energy over the first; infinite after a fault.
+    pub(super) fn growth(
+        &self,
+        update: &'static str,
+        floor: bool,
+        past: f64,
+        reference: &Reference,
+        report: &mut Report,
+    ) -> Result<f64, String> {
+        let block = self.block(update, past)?;
+        let mut block = if floor { block } else { block.without_floor()? };
+        Ok(block.watch(reference.given("steps")? as usize, report).energy)
     }
 
     fn long_run(

@@ -25,7 +25,7 @@ use crate::{
 pub struct LongRun;
 
 /// Transfers, and the keys that choose them in either scheme.
-const TRANSFERS: [(&str, &[&str]); 5] = [
+pub(super) const TRANSFERS: [(&str, &[&str]); 5] = [
     ("FLIP", &["explicit.pic_rate=0", "implicit.pic_rate=0"]),
     ("FLIP with 0.5/s of PIC", &["explicit.pic_rate=0.5", "implicit.pic_rate=0.5"]),
     ("APIC", &["solver.transfer=apic"]),
@@ -38,7 +38,7 @@ const WAYS: [(&str, &str); 6] =
     [("linear", "musl"), ("gimp", "musl"), ("bspline", "musl"), ("linear", "usl"), ("gimp", "usl"), ("bspline", "usl")];
 
 /// A scheme with a transfer.
-struct Setting {
+pub(super) struct Setting {
     name: String,
     keys: Vec<String>,
     implicit: bool,
@@ -47,7 +47,7 @@ struct Setting {
 }
 
 impl Setting {
-    fn explicit((shape, update): (&str, &str), (name, keys): (&str, &[&str])) -> Self {
+    pub(super) fn explicit((shape, update): (&str, &str), (name, keys): (&str, &[&str])) -> Self {
         let set = [format!("solver.shape={shape}"), format!("explicit.stress_update={update}")];
         Setting {
             name: format!("{shape} {} {name}", update.to_uppercase()),
@@ -57,7 +57,7 @@ impl Setting {
         }
     }
 
-    fn newmark((name, keys): (&str, &[&str])) -> Self {
+    pub(super) fn newmark((name, keys): (&str, &[&str])) -> Self {
         let set = ["solver.scheme=implicit", "implicit.regime=newmark"];
         let keys = set.iter().chain(keys).map(|k| (*k).to_owned()).collect();
         Setting { name: format!("linear Newmark {name}"), keys, implicit: true, plain: false }
@@ -103,21 +103,15 @@ impl Problem for LongRun {
 
 impl LongRun {
     fn bar(&self, setting: &Setting, periods: f64, reference: &Reference, report: &mut Report) -> Result<(), String> {
+        let (swing, _) = match self.swung(setting, periods, reference, report) {
+            Ok(found) => found,
+            Err(why) if !setting.plain => {
+                report.note(format!("bar, {}: not stable, {why}", setting.name));
+                return Ok(());
+            }
+            Err(why) => return Err(why),
+        };
         let omega = reference.given("omega")?;
-        let mut run = Run::new(self.files().case, &setting.keys)?;
-        let mut swing = Swing { energy: vec![(0.0, run.energy())], velocity: vec![(0.0, mean_velocity(&run))] };
-        let mass = run.sim.initial_mass;
-        let end = run.until(periods * TAU / omega, |sim| {
-            let e = sim.energies();
-            swing.energy.push((sim.time, e.kinetic + e.strain));
-            swing.velocity.push((sim.time, sim.body.momentum()[0] / mass));
-        });
-        report.count(&run.sim);
-        if let (Err(why), false) = (&end, setting.plain) {
-            report.note(format!("bar, {}: not stable, {why}", setting.name));
-            return Ok(());
-        }
-        end?;
         let (period, name) = (TAU / omega, setting.name.as_str());
         let frequency = swing.frequency() / omega;
         if setting.plain {
@@ -127,6 +121,38 @@ impl LongRun {
         report.row_of(reference, "bar_energy", name, None, swing.energy_kept(period))?;
         report.row_of(reference, "bar_amplitude", name, None, swing.amplitude_kept(period))?;
         report.row_of(reference, "bar_frequency", name, None, frequency)
+    }
+
+    /// Energy kept by the bar, and the share of the kinetic energy at the end that the nodes do not see.
+    pub(super) fn bar_kept(
+        &self,
+        setting: &Setting,
+        periods: f64,
+        reference: &Reference,
+        report: &mut Report,
+    ) -> Result<[f64; 2], String> {
+        let (swing, run) = self.swung(setting, periods, reference, report)?;
+        Ok([swing.energy_kept(TAU / reference.given("omega")?), unseen(&run)])
+    }
+
+    /// The bar over so many periods.
+    fn swung(
+        &self,
+        setting: &Setting,
+        periods: f64,
+        reference: &Reference,
+        report: &mut Report,
+    ) -> Result<(Swing, Run), String> {
+        let mut run = Run::new(self.files().case, &setting.keys)?;
+        let mut swing = Swing { energy: vec![(0.0, run.energy())], velocity: vec![(0.0, mean_velocity(&run))] };
+        let mass = run.sim.initial_mass;
+        let end = run.until(periods * TAU / reference.given("omega")?, |sim| {
+            let e = sim.energies();
+            swing.energy.push((sim.time, e.kinetic + e.strain));
+            swing.velocity.push((sim.time, sim.body.momentum()[0] / mass));
+        });
+        report.count(&run.sim);
+        end.map(|()| (swing, run))
     }
 
     /// What APIC promises, over one turn: the mass floor, which withholds forces on light nodes one by one and
@@ -142,18 +168,37 @@ impl LongRun {
     }
 
     fn disc(&self, setting: &Setting, turns: f64, reference: &Reference, report: &mut Report) -> Result<(), String> {
-        let mut run = spinning(&setting.keys)?;
-        let (energy, momentum) = (run.energy(), angular_momentum(&run));
-        let end = run.until(turns * TAU, |_| ());
-        report.count(&run.sim);
-        if let Err(why) = end {
-            report.note(format!("disc, {}: not stable, {why}", setting.name));
-            return Ok(());
+        match spun(setting, turns, report) {
+            Err(why) => report.note(format!("disc, {}: not stable, {why}", setting.name)),
+            Ok(kept) => {
+                report.row_of(reference, "disc_energy", &setting.name, None, kept.energy)?;
+                report.row_of(reference, "disc_momentum", &setting.name, None, kept.momentum)?;
+            }
         }
-        let kept = angular_momentum(&run) / momentum;
-        report.row_of(reference, "disc_energy", &setting.name, None, run.energy() / energy)?;
-        report.row_of(reference, "disc_momentum", &setting.name, None, kept)
+        Ok(())
     }
+}
+
+/// What a disc has kept after some turns.
+#[derive(Clone, Copy)]
+pub(super) struct Kept {
+    /// Energy over that at the start.
+    pub energy: f64,
+    /// Angular momentum over that at the start.
+    pub momentum: f64,
+    /// Share of the kinetic energy of the points that the nodes do not see.
+    pub unseen: f64,
+}
+
+/// The disc, spun.
+pub(super) fn spun(setting: &Setting, turns: f64, report: &mut Report) -> Result<Kept, String> {
+    let mut run = spinning(&setting.keys)?;
+    let (energy, momentum) = (run.energy(), angular_momentum(&run));
+    let end = run.until(turns * TAU, |_| ());
+    report.count(&run.sim);
+    end?;
+    let (energy, momentum) = (run.energy() / energy, angular_momentum(&run) / momentum);
+    Ok(Kept { energy, momentum, unseen: unseen(&run) })
 }
 
 /// The disc at the start, with the stress that it has while it spins once in 2 pi seconds.
@@ -208,20 +253,35 @@ fn mean_velocity(run: &Run) -> f64 {
 
 /// sum x_i cross p_i over the nodes (kN m s/m).
 fn angular_momentum(run: &Run) -> f64 {
-    match run.case.solver.shape {
-        ShapeFunctions::Linear => seen_by_the_grid(run, Linear),
-        ShapeFunctions::Gimp => seen_by_the_grid(run, Gimp),
-        ShapeFunctions::GimpWide => seen_by_the_grid(run, GimpWide),
-        ShapeFunctions::Bspline => seen_by_the_grid(run, BSpline),
-    }
-}
-
-fn seen_by_the_grid<S: Shape<N>, const N: usize>(run: &Run, shape: S) -> f64 {
-    let (mut nodes, mut scratch) = (Nodes::new(run.grid), Box::<Scratch<N>>::default());
-    FpPath::best().run(Scatter { scratch: &mut scratch, body: &run.sim.body, nodes: &mut nodes, cells: None, shape });
+    let nodes = mapped(run);
     let of = |s: usize| {
         let x = run.grid.node_position(nodes.id[s]);
         x[0] * nodes.momentum[1][s] - x[1] * nodes.momentum[0][s]
     };
     (0..nodes.count).map(of).sum()
+}
+
+/// 1 - sum p_i^2 / (2 m_i) over the kinetic energy of the points: what lies in the null space of the map, and what
+/// the map smooths.
+fn unseen(run: &Run) -> f64 {
+    let nodes = mapped(run);
+    let square = |s: usize| nodes.momentum[0][s].powi(2) + nodes.momentum[1][s].powi(2);
+    let of = |s: usize| if nodes.mass[s] > 0.0 { 0.5 * square(s) / nodes.mass[s] } else { 0.0 };
+    1.0 - (0..nodes.count).map(of).sum::<f64>() / run.sim.energies().kinetic
+}
+
+/// The nodes as the points map to them.
+fn mapped(run: &Run) -> Nodes {
+    match run.case.solver.shape {
+        ShapeFunctions::Linear => mapped_by(run, Linear),
+        ShapeFunctions::Gimp => mapped_by(run, Gimp),
+        ShapeFunctions::GimpWide => mapped_by(run, GimpWide),
+        ShapeFunctions::Bspline => mapped_by(run, BSpline),
+    }
+}
+
+fn mapped_by<S: Shape<N>, const N: usize>(run: &Run, shape: S) -> Nodes {
+    let (mut nodes, mut scratch) = (Nodes::new(run.grid), Box::<Scratch<N>>::default());
+    FpPath::best().run(Scatter { scratch: &mut scratch, body: &run.sim.body, nodes: &mut nodes, cells: None, shape });
+    nodes
 }

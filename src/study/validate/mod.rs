@@ -31,6 +31,7 @@ mod perfect_correlation;
 mod prandtl;
 mod random_scenes;
 mod reference;
+mod remedy;
 mod report;
 mod rigid;
 mod setup;
@@ -44,6 +45,7 @@ mod vibrating_bar;
 
 pub use figure::Figure;
 pub use page::page;
+pub use remedy::Remedy;
 pub use report::{Cost, Report, Row};
 pub use table::table;
 

@@ -5,7 +5,8 @@ use std::{collections::BTreeMap, io};
 use base64::{Engine, engine::general_purpose::STANDARD};
 
 use super::{
-    Effort, Figure, Report, Row,
+    Effort, Figure, Remedy, Report, Row,
+    remedy::HEAD,
     table::{number, short, verdict},
 };
 use crate::output::record::Build;
@@ -79,11 +80,12 @@ fn contents(reports: &[Report]) -> String {
 
 fn section(report: &Report) -> io::Result<String> {
     let figures = report.figures.iter().map(figure).collect::<io::Result<String>>()?;
+    let remedies = remedies(&report.remedies);
     let (whys, numbers) = whys(&report.rows);
     let rows: String =
         report.rows.iter().map(|r| row(r, numbers.get(&r.why_tolerance).copied().unwrap_or(0))).collect();
     Ok(format!(
-        "<section>\n<h2 id=\"{0}\">{0}</h2>\n<p>{1}</p>\n<p class=\"small\">Source: {2}</p>\n{figures}<table>\n<thead><tr><th>quantity</th><th class=\"n\">exact</th><th class=\"n\">ours</th><th class=\"n\">error</th><th class=\"n\">tolerance</th><th>verdict</th></tr></thead>\n<tbody>\n{rows}</tbody>\n</table>\n<ol class=\"small\">\n{whys}</ol>\n{3}</section>\n",
+        "<section>\n<h2 id=\"{0}\">{0}</h2>\n<p>{1}</p>\n<p class=\"small\">Source: {2}</p>\n{remedies}{figures}<table>\n<thead><tr><th>quantity</th><th class=\"n\">exact</th><th class=\"n\">ours</th><th class=\"n\">error</th><th class=\"n\">tolerance</th><th>verdict</th></tr></thead>\n<tbody>\n{rows}</tbody>\n</table>\n<ol class=\"small\">\n{whys}</ol>\n{3}</section>\n",
         escape(&report.name),
         sentence(&report.about),
         sentence(&report.source),
@@ -131,6 +133,22 @@ fn notes(notes: &[String]) -> String {
     }
     let items: String = notes.iter().map(|n| format!("<li>{}</li>\n", escape(n))).collect();
     format!("<p class=\"small\">Notes</p>\n<ul class=\"small\">\n{items}</ul>\n")
+}
+
+/// What remedies do, in a table; empty without one.
+fn remedies(remedies: &[Remedy]) -> String {
+    let class = |k: usize| if k < 4 { "" } else { " class=\"n\"" };
+    let head: String = (0..).zip(HEAD).map(|(k, name)| format!("<th{}>{name}</th>", class(k))).collect();
+    let line = |r: &Remedy| -> String {
+        let cells = (0..).zip(r.cells());
+        let cells: String = cells.map(|(k, text)| format!("<td{}>{}</td>", class(k), escape(&text))).collect();
+        format!("<tr>{cells}</tr>\n")
+    };
+    let lines: String = remedies.iter().map(line).collect();
+    if lines.is_empty() {
+        return lines;
+    }
+    format!("<table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{lines}</tbody>\n</table>\n")
 }
 
 /// With a capital and a full stop, escaped.

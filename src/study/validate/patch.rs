@@ -16,6 +16,7 @@ use crate::{
     nodes::Nodes,
     snapshot::Snapshot,
     space::{BSpline, Linear, Shape},
+    work::Work,
 };
 
 /// See the module.
@@ -54,7 +55,7 @@ impl Problem for Patch {
 
 /// Rows of a body after one step with displacement gradient `du`.
 fn judge(run: &Run, name: &str, du: Matrix2<f64>, reference: &Reference, report: &mut Report) -> Result<(), String> {
-    report.particle_steps += run.sim.body.len() as u64;
+    report.count_work(&Work { steps: 1, particle_steps: run.sim.body.len() as u64, ..Work::default() });
     compare(&run.sim.snapshot(), closed_form(run, du), name, reference, report)?;
     let volume = (Matrix2::identity() + du).determinant();
     let gap = largest(run.sim.body.committed.jacobian.iter().map(|j| (j - volume).abs()));

@@ -58,11 +58,11 @@ impl Problem for Prandtl {
 }
 
 #[derive(Clone, Copy)]
-struct Setup {
+pub(super) struct Setup {
     /// B / h.
-    cells: u32,
-    rough: bool,
-    cure: bool,
+    pub cells: u32,
+    pub rough: bool,
+    pub cure: bool,
 }
 
 impl Setup {
@@ -87,7 +87,7 @@ impl Setup {
 
 impl Prandtl {
     /// F / B / c.
-    fn footing(&self, setup: Setup, reference: &Reference, report: &mut Report) -> Result<f64, String> {
+    pub(super) fn footing(&self, setup: Setup, reference: &Reference, report: &mut Report) -> Result<f64, String> {
         let mut run = Run::new(self.files().case, &setup.keys())?;
         let speed = run.case.drive.first().and_then(|d| d.velocity_y).ok_or("there is no footing")?;
         let strength = reference.given("cohesion")?;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::{
-    Figure,
+    Figure, Remedy,
     reference::{Answer, Measure, Reference},
 };
 use crate::{sim::Simulation, work::Work};
@@ -39,6 +39,8 @@ pub struct Report {
     pub particle_steps: u64,
     pub cost: Cost,
     pub figures: Vec<Figure>,
+    /// Hard cases without and with their remedies.
+    pub remedies: Vec<Remedy>,
     /// What a reader should know beside the numbers.
     pub notes: Vec<String>,
     /// Case files to be run again, by name: written beside the report.
@@ -84,6 +86,7 @@ impl Report {
             particle_steps: 0,
             cost: Cost::default(),
             figures: Vec::new(),
+            remedies: Vec::new(),
             notes: Vec::new(),
             files: BTreeMap::new(),
         }
@@ -137,6 +140,14 @@ impl Report {
     pub(super) fn count_work(&mut self, work: &Work) {
         self.particle_steps += work.particle_steps;
         self.cost.add(work);
+    }
+
+    /// Books what the runs of another report took.
+    pub(super) fn take_cost(&mut self, other: &Report) {
+        self.particle_steps += other.particle_steps;
+        self.cost.explicit_steps += other.cost.explicit_steps;
+        self.cost.implicit_steps += other.cost.implicit_steps;
+        self.cost.newton_iterations += other.cost.newton_iterations;
     }
 
     /// Adds a picture.

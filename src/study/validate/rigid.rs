@@ -9,7 +9,7 @@ use super::{
     reference::Reference,
     setup::{Run, keys},
 };
-use crate::{math::tensor::Voigt, sim::Simulation};
+use crate::{math::tensor::Voigt, sim::Simulation, work::Work};
 
 /// See the module.
 pub struct Rigid;
@@ -119,7 +119,8 @@ impl Rigid {
         for _ in 0..n {
             strain(&mut run, dt, |x| Vector2::new(-x[1], x[0]))?;
         }
-        report.particle_steps += (n * run.sim.body.len()) as u64;
+        let (steps, points) = (n as u64, run.sim.body.len() as u64);
+        report.count_work(&Work { steps, particle_steps: steps * points, ..Work::default() });
         Ok(largest(run.sim.snapshot().stress.iter().map(|s| s.xx.abs())))
     }
 

@@ -47,17 +47,17 @@ impl Problem for ShearLayer {
 
 /// Runs that differ in their cells.
 #[derive(Clone, Copy)]
-struct Family {
-    scheme: &'static str,
-    shape: &'static str,
-    remedy: &'static str,
+pub(super) struct Family {
+    pub scheme: &'static str,
+    pub shape: &'static str,
+    pub remedy: &'static str,
 }
 
 /// What is read at the end of a run.
 #[derive(Clone, Copy)]
-struct Reading {
+pub(super) struct Reading {
     /// Energy of softening over that of a band of the reference length.
-    energy: f64,
+    pub energy: f64,
     /// (m)
     width: f64,
 }
@@ -101,7 +101,13 @@ impl ShearLayer {
         report.row_of(reference, "spread", &name, None, largest(energies) / least)
     }
 
-    fn band(&self, f: Family, h: f64, reference: &Reference, report: &mut Report) -> Result<Reading, String> {
+    pub(super) fn band(
+        &self,
+        f: Family,
+        h: f64,
+        reference: &Reference,
+        report: &mut Report,
+    ) -> Result<Reading, String> {
         let set = keys(&[
             ("grid.cell", format!("{h:?}")),
             ("solver.scheme", f.scheme.into()),

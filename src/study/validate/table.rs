@@ -1,6 +1,6 @@
 //! The reports as a table for a terminal.
 
-use super::{Report, Row};
+use super::{Report, Row, remedy::aligned};
 
 /// The reports as an aligned table for a terminal.
 pub fn table(reports: &[Report]) -> String {
@@ -29,6 +29,7 @@ fn section(report: &Report, width: usize) -> String {
             short(row.tolerance)
         );
     }
+    out += &aligned(&report.remedies);
     out += &format!("  {}\n", cost(report));
     report.notes.iter().for_each(|note| out += &format!("  note: {note}\n"));
     out

@@ -18,6 +18,7 @@ use crate::{
     scene,
     sim::{Energies, Simulation},
     study::workers,
+    work::Work,
 };
 
 /// See the module.
@@ -50,7 +51,7 @@ impl Problem for RandomScenes {
         let key = if effort == Effort::Full { "scenes_full" } else { "scenes_short" };
         let numbers: Vec<u64> = (first..first + reference.given(key)? as u64).collect();
         let ends = workers::all(0, &numbers, &|_, _| {}, &|n| Ok(end_of(&text::scene(SEED, *n))))?;
-        report.particle_steps += ends.iter().map(|e| e.particle_steps).sum::<u64>();
+        ends.iter().for_each(|end| report.count_work(&end.work));
         rows(&ends, reference, report)?;
         for (number, end) in numbers.iter().zip(&ends).filter(|(_, e)| e.wrong.is_some()) {
             let file = format!("scene-{number}.toml");
@@ -85,7 +86,7 @@ struct End {
     guard_spoke: bool,
     /// What must not be: the key of its row, and more words.
     wrong: Option<String>,
-    particle_steps: u64,
+    work: Work,
 }
 
 impl End {
@@ -152,7 +153,7 @@ fn judge(sim: &Simulation, outcome: &Outcome, watch: &Supply) -> End {
     } else {
         None
     };
-    End { guard_spoke, wrong, particle_steps: sim.work.particle_steps, ..End::new(how) }
+    End { guard_spoke, wrong, work: sim.work.clone(), ..End::new(how) }
 }
 
 /// Every number of the last state and of its energies.
