@@ -117,7 +117,7 @@ impl Fault {
             }
             FaultKind::EnergyDrift => {
                 return format!(
-                    "lower {step_keys}; `solver.shape = \"gimp\"` spares the noise of points that cross cell faces, `explicit.stress_update = \"musl\"` that of light nodes; `guard.fault` is the level"
+                    "lower {step_keys}; `solver.shape = \"gimp\"` spares the noise of points that cross cell faces, `explicit.stress_update = \"musl\"` that of light nodes; an initial stress must be one that the strength bears; `guard.fault` is the level"
                 );
             }
             FaultKind::Unstable => "let the body move: `implicit.regime = \"auto\"`",

@@ -378,3 +378,11 @@ fn many_errors_are_counted() {
     assert_eq!(found.errors().len(), 1000);
     assert!(found.render(false).ends_with("... and 1980 more"));
 }
+
+#[test]
+fn a_level_of_the_guard_is_a_share_or_false() {
+    let off = with(&["guard.warning=false", "guard.fault=0.5"]).expect("a valid case");
+    assert_eq!(off.guard, Guard { warning: None, fault: Some(0.5) });
+    let (again, _) = read("again.toml", &off.to_toml(), &[]).expect("the resolved case");
+    assert_eq!(again.guard, off.guard);
+}

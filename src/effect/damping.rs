@@ -9,19 +9,52 @@ fn book_drag(books: &mut Totals, axis: usize, drag: f64, velocity: f64, dt: f64)
     books.impulse[axis] += drag * dt;
 }
 
+/// Drags of a step on the nodes (kN/m), until the velocities at its end are known (explicit scheme). A drag works on
+/// the mean of the velocities at the start and at the end: that is exact for a body that nothing else moves, whatever share
+/// of the velocity a step takes.
+#[derive(Default)]
+struct Drags([Vec<f64>; 2]);
+
+impl Drags {
+    /// Starts a step.
+    fn begin(&mut self, nodes: &Nodes) {
+        self.0.iter_mut().for_each(|drags| {
+            drags.clear();
+            // room for every node there is, so that a step allocates only when they have grown
+            drags.reserve(nodes.id.len());
+        });
+    }
+
+    fn push(&mut self, axis: usize, drag: f64) {
+        self.0[axis].push(drag);
+    }
+
+    /// Books the drags, once.
+    fn book(&mut self, nodes: &Nodes, dt: f64, books: &mut Totals) {
+        for axis in 0..2 {
+            let motion = nodes.old_velocity[axis].iter().zip(&nodes.velocity[axis]);
+            for (drag, (start, end)) in self.0[axis].iter().zip(motion) {
+                book_drag(books, axis, *drag, 0.5 * (start + end), dt);
+            }
+            self.0[axis].clear();
+        }
+    }
+}
+
 /// f_i -= a |f_i| sign(v_i) on each component, f_i being the out-of-balance force.
 pub struct LocalDamping {
     /// a for good.
     coefficient: f64,
     /// A larger a while the in-situ state settles, and the time at which that ends (s).
     settle: Option<(f64, f64)>,
+    drags: Drags,
     ledger: Ledger,
 }
 
 impl LocalDamping {
     /// `coefficient` throughout, or the larger value in `settle` up to its time.
     pub fn new(coefficient: f64, settle: Option<(f64, f64)>) -> Self {
-        LocalDamping { coefficient, settle, ledger: Ledger::default() }
+        LocalDamping { coefficient, settle, drags: Drags::default(), ledger: Ledger::default() }
     }
 
     fn at(&self, time: f64) -> f64 {
@@ -42,7 +75,7 @@ impl Effect for LocalDamping {
     }
 
     fn stages(&self) -> Stages {
-        Stages { force: true, ..Stages::default() }
+        Stages { force: true, account: true, ..Stages::default() }
     }
 
     fn force(&mut self, nodes: &mut Nodes, clock: Clock) {
@@ -51,13 +84,18 @@ impl Effect for LocalDamping {
             return;
         }
         let n = nodes.count;
+        self.drags.begin(nodes);
         for axis in 0..2 {
             for (f, v) in nodes.force[axis][..n].iter_mut().zip(&nodes.old_velocity[axis]) {
                 let drag = if *v == 0.0 { 0.0 } else { -a * f.abs() * v.signum() };
                 *f += drag;
-                book_drag(&mut self.ledger.step, axis, drag, *v, clock.dt);
+                self.drags.push(axis, drag);
             }
         }
+    }
+
+    fn account(&mut self, nodes: &Nodes, clock: Clock) {
+        self.drags.book(nodes, clock.dt, &mut self.ledger.step);
     }
 
     fn ledger(&self) -> &Ledger {
@@ -76,13 +114,14 @@ pub struct ViscousDamping {
     rate: f64,
     /// Whether the step of the implicit scheme has inertia; without it there is no motion to damp.
     moving: bool,
+    drags: Drags,
     ledger: Ledger,
 }
 
 impl ViscousDamping {
     /// `rate` (1/s): the velocity of a free body decays as exp(-rate t).
     pub fn new(rate: f64) -> Self {
-        ViscousDamping { rate, moving: false, ledger: Ledger::default() }
+        ViscousDamping { rate, moving: false, drags: Drags::default(), ledger: Ledger::default() }
     }
 }
 
@@ -96,20 +135,25 @@ impl Effect for ViscousDamping {
     }
 
     fn stages(&self) -> Stages {
-        Stages { force: true, residual: true, ..Stages::default() }
+        Stages { force: true, account: true, residual: true, ..Stages::default() }
     }
 
     fn force(&mut self, nodes: &mut Nodes, clock: Clock) {
         let n = nodes.count;
         let rate = -(-self.rate * clock.dt).exp_m1() / clock.dt;
+        self.drags.begin(nodes);
         for axis in 0..2 {
             let motion = nodes.mass[..n].iter().zip(&nodes.old_velocity[axis]);
             for (f, (m, v)) in nodes.force[axis][..n].iter_mut().zip(motion) {
                 let drag = -rate * m * v;
                 *f += drag;
-                book_drag(&mut self.ledger.step, axis, drag, *v, clock.dt);
+                self.drags.push(axis, drag);
             }
         }
+    }
+
+    fn account(&mut self, nodes: &Nodes, clock: Clock) {
+        self.drags.book(nodes, clock.dt, &mut self.ledger.step);
     }
 
     /// r_i += c m_i du_i / dt.

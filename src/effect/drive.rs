@@ -17,6 +17,9 @@ pub struct Drive {
     until: f64,
     /// Active nodes in the box in this step.
     inside: Vec<u32>,
+    /// Impulses that give the nodes `inside` their velocity (explicit scheme), with those of supports that the drive has
+    /// overruled, until it is known how they move.
+    impulses: Vec<[f64; 2]>,
     /// Axes of the nodes `inside` that this drive holds (implicit scheme).
     held: Vec<[bool; 2]>,
     ledger: Ledger,
@@ -26,7 +29,16 @@ impl Drive {
     /// A box (m) whose nodes have the `velocity` (m/s) of each driven axis up to `until` (s), and
     /// are then held; it goes with them if it is `moving`.
     pub fn new(area: [[f64; 2]; 2], velocity: [Option<f64>; 2], moving: bool, until: f64) -> Self {
-        Drive { area, velocity, moving, until, inside: Vec::new(), held: Vec::new(), ledger: Ledger::default() }
+        Drive {
+            area,
+            velocity,
+            moving,
+            until,
+            inside: Vec::new(),
+            impulses: Vec::new(),
+            held: Vec::new(),
+            ledger: Ledger::default(),
+        }
     }
 
     /// The box at a time (m).
@@ -55,16 +67,15 @@ impl Drive {
     }
 
     /// Sets the velocity; what is not a number stays so, to be caught at the points.
-    fn set(&mut self, nodes: &mut Nodes, pass: Pass, axis: usize, velocity: f64) {
-        for &s in &self.inside {
+    fn set(&mut self, nodes: &mut Nodes, pass: Pass, axis: usize, velocity: f64, dt: f64) {
+        for (k, &s) in self.inside.iter().enumerate() {
             let s = s as usize;
             let mass = nodes.mass[s];
+            let free = nodes.old_velocity[axis][s] + dt * nodes.force[axis][s] * nodes.inverse_mass[s];
             let v = &mut velocity_of(nodes, pass)[axis][s];
             if pass == Pass::Update {
-                let impulse = mass * (velocity - *v);
-                self.ledger.step.impulse[axis] += impulse;
-                // force x way: the impulse acts over the step, on a node that moves with `velocity`
-                self.ledger.step.external += impulse * velocity;
+                self.ledger.step.impulse[axis] += mass * (velocity - *v);
+                self.impulses[k][axis] = mass * (velocity - free);
             }
             *v -= *v;
             *v += velocity;
@@ -78,17 +89,29 @@ impl Effect for Drive {
     }
 
     fn stages(&self) -> Stages {
-        Stages { constrain: true, ..Stages::default() }
+        Stages { constrain: true, account: true, ..Stages::default() }
     }
 
     fn constrain(&mut self, nodes: &mut Nodes, pass: Pass, clock: Clock) {
         if pass == Pass::Update {
             self.find(nodes, clock);
+            self.impulses.clear();
+            self.impulses.reserve(nodes.id.len());
+            self.impulses.resize(self.inside.len(), [0.0; 2]);
         }
         for (axis, velocity) in self.velocity_in(clock).into_iter().enumerate() {
             if let Some(velocity) = velocity {
-                self.set(nodes, pass, axis, velocity);
+                self.set(nodes, pass, axis, velocity, clock.dt);
             }
+        }
+    }
+
+    /// Force x way: the impulse acts over the step, on a node that moves as all that constrain it have left it. The implicit
+    /// scheme has no impulses here.
+    fn account(&mut self, nodes: &Nodes, _: Clock) {
+        for (&s, impulse) in self.inside.iter().zip(&self.impulses) {
+            let work = |axis: usize| impulse[axis] * nodes.velocity[axis][s as usize];
+            self.ledger.step.external += work(0) + work(1);
         }
     }
 
@@ -177,11 +200,13 @@ mod tests {
         let mut nodes = Nodes::new(Grid { origin: [0.0; 2], h: 1.0, cells: [2, 1] });
         let [s, beside] = nodes.patch(0, &[1, 2]);
         (nodes.mass[s], nodes.velocity[0][s], nodes.velocity[0][beside]) = (2.0, 1.0, 1.0);
+        nodes.old_velocity[0][s] = 1.0;
         nodes.strain_velocity[0][s] = 7.0;
         let mut drive = Drive::new([[0.5, -1.0], [1.5, 1.0]], [Some(3.0), None], false, f64::INFINITY);
         let clock = Clock { time: 0.0, dt: 0.1 };
         drive.constrain(&mut nodes, Pass::Update, clock);
         drive.constrain(&mut nodes, Pass::Remap, clock);
+        drive.account(&nodes, clock);
         assert_eq!([nodes.velocity[0][s], nodes.strain_velocity[0][s], nodes.velocity[0][beside]], [3.0, 3.0, 1.0]);
         // m (3 - 1), and that over dt times the way 3 dt
         assert_eq!((drive.ledger.step.impulse, drive.ledger.step.external), ([4.0, 0.0], 12.0));

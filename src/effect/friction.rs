@@ -19,6 +19,8 @@ pub struct Friction {
     separation: bool,
     /// For each node of the side in this step: away, leaving, sliding or sticking.
     contact: Vec<Contact>,
+    /// Impulse along the side on each of these nodes, until it is known how they move (explicit scheme).
+    rubs: Vec<f64>,
     /// For each grid node along the side: how near the soil of its cells comes to the side, by the
     /// edge of its points (m); below 0 where they overlap it.
     clearance: Vec<f64>,
@@ -98,6 +100,7 @@ impl Friction {
             coefficient,
             separation,
             contact: Vec::new(),
+            rubs: Vec::new(),
             clearance: Vec::new(),
             grips: Vec::new(),
             memory: Vec::new(),
@@ -130,16 +133,20 @@ impl Friction {
         }
     }
 
-    fn update(&mut self, nodes: &mut Nodes, dt: f64) {
-        self.contact.clear();
+    fn update(&mut self, nodes: &mut Nodes) {
         // room for every node of the side, once
-        self.contact.reserve(nodes.grid.cells[1 - self.side.axis()] as usize + 1);
+        let room = nodes.grid.cells[1 - self.side.axis()] as usize + 1;
+        self.contact.clear();
+        self.contact.reserve(room);
+        self.rubs.clear();
+        self.rubs.reserve(room);
         let (n, t, inward) = (self.side.axis(), 1 - self.side.axis(), self.side.inward());
         for k in 0..nodes.side(self.side).len() {
             let s = nodes.side(self.side)[k] as usize;
             let (mass, vn, vt) = (nodes.mass[s], nodes.velocity[n][s], nodes.velocity[t][s]);
             if !self.touches(nodes, s) {
                 self.contact.push(Contact::Away);
+                self.rubs.push(0.0);
                 continue;
             }
             let (normal, tangential, contact) = contact_law(vn * inward, vt, self.coefficient, self.separation);
@@ -148,9 +155,8 @@ impl Friction {
             let rub = mass * (tangential - vt);
             self.ledger.step.impulse[n] += mass * (normal * inward - vn);
             self.ledger.step.impulse[t] += rub;
-            // friction force x way along the side; the impulse acts over the step
-            self.ledger.step.dissipated -= rub / dt * (tangential * dt);
             self.contact.push(contact);
+            self.rubs.push(rub);
         }
     }
 
@@ -260,7 +266,7 @@ impl Effect for Friction {
     }
 
     fn stages(&self) -> Stages {
-        Stages { survey: self.separation, constrain: true, ..Stages::default() }
+        Stages { survey: self.separation, constrain: true, account: true, ..Stages::default() }
     }
 
     /// Clearance of the points in the cells along the side; a point is a square of its volume.
@@ -282,10 +288,19 @@ impl Effect for Friction {
         }
     }
 
-    fn constrain(&mut self, nodes: &mut Nodes, pass: Pass, clock: Clock) {
+    fn constrain(&mut self, nodes: &mut Nodes, pass: Pass, _: Clock) {
         match pass {
-            Pass::Update => self.update(nodes, clock.dt),
+            Pass::Update => self.update(nodes),
             Pass::Remap => self.remap(nodes),
+        }
+    }
+
+    /// Friction x way along the side: the impulse acts over the step, on a node that moves as all that constrain it have
+    /// left it. The implicit scheme has no impulses here.
+    fn account(&mut self, nodes: &Nodes, _: Clock) {
+        let along = &nodes.velocity[1 - self.side.axis()];
+        for (s, rub) in nodes.side(self.side).iter().zip(&self.rubs) {
+            self.ledger.step.dissipated -= rub * along[*s as usize];
         }
     }
 

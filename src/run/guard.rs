@@ -33,9 +33,7 @@ pub struct Guard {
 impl Guard {
     /// The guard of a case, on a body of this mass (t/m).
     pub fn new(case: &Case, mass: f64) -> Self {
-        let pull = if case.gravity.schedule == GravitySchedule::None { 0.0 } else { case.gravity.acceleration };
-        let supply = FALL * case.grid.cell * mass * pull;
-        Guard { levels: case.guard, supply, first: None, worst: None }
+        Guard { levels: case.guard, supply: least_supply(case, mass), first: None, worst: None }
     }
 
     /// Whether anything is watched.
@@ -75,6 +73,12 @@ impl Guard {
     pub fn spoken(&self) -> Option<[Drift; 2]> {
         self.first.zip(self.worst).map(|(first, worst)| [first, worst])
     }
+}
+
+/// The least energy (kJ/m) that the drift of a body of this mass (t/m) is compared with: see [`FALL`].
+pub fn least_supply(case: &Case, mass: f64) -> f64 {
+    let pull = if case.gravity.schedule == GravitySchedule::None { 0.0 } else { case.gravity.acceleration };
+    FALL * case.grid.cell * mass * pull
 }
 
 /// Energy that the maps, impacts and the known damping take is explained; energy made is never, wherever it appears.

@@ -11,8 +11,8 @@ use std::{
 
 use serde::{Deserialize, Serialize};
 
-pub use guard::Drift;
 use guard::Guard;
+pub use guard::{Drift, least_supply};
 use rest::Rest;
 use slide::SlideWatch;
 

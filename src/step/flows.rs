@@ -15,10 +15,10 @@
 //! With f the force on a node, f_int its internal part, s~ the second velocity as supports leave it:
 //! ```text
 //! transfer   as above - sum m jump (v1 - s) / 2 + dt (f - f_int) (v1 - s)
-//! impact     sum (m jump - dt f) (v1 - s) + dt f_int (s~ - s)
+//! impact     sum (m jump - dt f) (v1 - s) + dt f_int (s~ - s), and where a support acts + m jump (jump - v1 + s) / 2
 //! ```
-//! (m jump - dt f is the impulse of the supports.) What is left over is then dt^2 times the difference of two
-//! quadratic forms, of force and of strain: the error of the integration in time alone.
+//! (m jump - dt f is the impulse of the supports, and the last term their part of jump M_c jump / 2.) What is left over
+//! is then dt^2 times the difference of two quadratic forms, of force and of strain: the error of the integration in time alone.
 
 use crate::nodes::Nodes;
 
@@ -58,10 +58,9 @@ pub fn usl(nodes: &Nodes, dt: f64) -> Flows {
         let columns =
             [&nodes.mass, &nodes.inverse_mass, &nodes.old_velocity[axis], &nodes.velocity[axis], &nodes.force[axis]];
         let [gain, impact] = sum(columns, nodes.count, |[mass, inverse, start, end, force]| {
-            let jump = end - start;
-            // the bits of a free node are those of this sum
-            let free = end == start + dt * force * inverse;
-            [0.5 * mass * jump * (end + start), if free { 0.0 } else { 0.5 * mass * jump * jump }]
+            let push = mass * (end - start);
+            let stopped = if is_free(start, end, dt * force * inverse) { 0.0 } else { end - start };
+            [0.5 * push * (end + start), 0.5 * push * stopped]
         });
         flows.nodes += gain;
         flows.impact += impact;
@@ -88,9 +87,10 @@ pub fn musl(nodes: &Nodes, dt: f64) -> Flows {
             sum(columns, nodes.count, |[mass, inverse, start, end, force, internal, momentum, strain]| {
                 let (jump, second) = (end - start, momentum * inverse);
                 let (push, lag) = (mass * jump, end - second);
+                let stopped = if is_free(start, end, dt * force * inverse) { 0.0 } else { jump - lag };
                 let given = dt * (force - internal) * lag - 0.5 * push * lag;
                 let impact = (push - dt * force) * lag + dt * internal * (strain - second);
-                [0.5 * push * (end + start) + given, impact]
+                [0.5 * push * (end + start) + given, impact + 0.5 * push * stopped]
             });
         flows.nodes += gain;
         flows.impact += impact;
@@ -98,8 +98,14 @@ pub fn musl(nodes: &Nodes, dt: f64) -> Flows {
     flows
 }
 
-/// Components summed side by side: a fixed order, and one that a processor can do at once.
-const SIDE: usize = 4;
+/// Whether nothing but the force has changed a velocity: then these are the very bits of the sum.
+#[inline(always)]
+fn is_free(start: f64, end: f64, change: f64) -> bool {
+    end == start + change
+}
+
+/// Components summed side by side: a fixed order, and a loop that processors do several of at once.
+const SIDE: usize = 16;
 
 /// Sums of the `terms` of the first `n` entries of columns; terms of nothing but zeros must be 0.
 #[inline(always)]
@@ -109,18 +115,31 @@ fn sum<const C: usize, const K: usize>(
     terms: impl Fn([f64; C]) -> [f64; K],
 ) -> [f64; K] {
     let mut sums = [[0.0; SIDE]; K];
-    let mut add = |entries: [[f64; SIDE]; C]| {
-        for i in 0..SIDE {
-            let terms = terms(std::array::from_fn(|c| entries[c][i]));
-            (0..K).for_each(|k| sums[k][i] += terms[k]);
-        }
-    };
-    let columns = columns.map(|column| column[..n].as_chunks::<SIDE>());
+    let chunks = columns.map(|column| column[..n].as_chunks::<SIDE>());
     for k in 0..n / SIDE {
-        add(columns.map(|(whole, _)| whole[k]));
+        add(&mut sums, chunks.map(|(whole, _)| &whole[k]), &terms);
     }
-    add(columns.map(|(_, rest)| std::array::from_fn(|i| rest.get(i).copied().unwrap_or(0.0))));
-    sums.map(|s| (s[0] + s[1]) + (s[2] + s[3]))
+    let last = chunks.map(|(_, rest)| {
+        let mut last = [0.0; SIDE];
+        last[..rest.len()].copy_from_slice(rest);
+        last
+    });
+    add(&mut sums, last.each_ref(), &terms);
+    sums.map(|s| s.iter().sum())
+}
+
+#[inline(always)]
+fn add<const C: usize, const K: usize>(
+    sums: &mut [[f64; SIDE]; K],
+    entries: [&[f64; SIDE]; C],
+    terms: &impl Fn([f64; C]) -> [f64; K],
+) {
+    for i in 0..SIDE {
+        let terms = terms(std::array::from_fn(|c| entries[c][i]));
+        for k in 0..K {
+            sums[k][i] += terms[k];
+        }
+    }
 }
 
 #[cfg(test)]
@@ -143,8 +162,8 @@ mod tests {
 
     #[test]
     fn sums_take_all_entries_once() {
-        let column: Vec<f64> = (0..12).map(f64::from).collect();
-        for n in 0..12 {
+        let column: Vec<f64> = (0..40).map(f64::from).collect();
+        for n in 0..40 {
             assert_eq!(sum([&column], n, |[v]| [v]), [(n * n.saturating_sub(1) / 2) as f64]);
         }
     }

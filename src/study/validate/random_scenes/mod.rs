@@ -120,7 +120,7 @@ fn play(text: &str) -> End {
         Ok(scene) => scene,
         Err(error) => return End::new(format!("refused by the scene: {}", without_numbers(&error.key))),
     };
-    let mut watch = Supply::default();
+    let mut watch = Supply(run::least_supply(&case, scene.simulation.initial_mass));
     let limits = Limits { interrupt: None, time_limit: Some(TIME) };
     match run::run(&case, &mut scene, limits, &mut watch) {
         Ok(outcome) => End {
@@ -148,7 +148,7 @@ fn judge(sim: &Simulation, outcome: &Outcome, watch: &Supply) -> End {
         Some("not_finite: in the last state or its energies".to_owned())
     } else if outcome.status == Status::ResourceCap {
         Some(format!("too_long: {} steps", sim.work.steps))
-    } else if fault.is_none() && !guard_spoke && -e.numerical > SILENT * watch.0.max(e.external.abs()) {
+    } else if fault.is_none() && !guard_spoke && -e.numerical > SILENT * watch.0 {
         Some(format!("silent: {} kJ/m made of {} supplied", -e.numerical, e.external))
     } else {
         None
@@ -165,8 +165,7 @@ fn numbers(sim: &Simulation, e: &Energies) -> impl Iterator<Item = f64> {
     vectors.into_iter().chain(stresses).chain(s.jacobian).chain(s.plastic_strain).chain(energies)
 }
 
-/// The largest energy supplied (kJ/m), by the rows of the history.
-#[derive(Default)]
+/// The largest energy supplied (kJ/m), by the rows of the history; no less than the guard takes.
 struct Supply(f64);
 
 impl Observer for Supply {

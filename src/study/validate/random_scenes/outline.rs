@@ -8,7 +8,8 @@ use super::draw::Draw;
 pub(super) type Polygon = Vec<[f64; 2]>;
 
 /// Shapes; a shape that stands more than once is more likely.
-const SHAPES: [fn(&mut Draw, Room) -> Polygon; 7] = [block, block, slope, star, notch, sliver, beside_lines];
+const SHAPES: [fn(&mut Draw, Room) -> Polygon; 12] =
+    [block, block, block, slope, slope, star, star, notch, notch, beside_lines, beside_lines, sliver];
 
 /// Where an outline may lie (m).
 #[derive(Clone, Copy)]

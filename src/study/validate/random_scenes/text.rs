@@ -61,9 +61,11 @@ struct Frame {
 pub(super) fn scene(seed: u64, number: u64) -> String {
     let draw = &mut Draw::new(seed, number);
     let gravity = draw.pick(&[9.81, 9.81, 1.0, 98.1]);
-    let soils: Vec<Soil> = (0..draw.whole(1, 3)).map(|k| soil(draw, k, gravity)).collect();
+    let (explicit, h, cells) = grid(draw);
+    // a soil has three cells of width at least, on the mean
+    let soils: Vec<Soil> = (0..draw.whole(1, (cells[0] / 3).clamp(1, 3))).map(|k| soil(draw, k, gravity)).collect();
     let wave = soils.iter().map(|s| s.wave).fold(0.0, f64::max);
-    let f = frame(draw, wave);
+    let f = frame(draw, explicit, h, cells, wave);
     let mut s = format!("title = \"Random scene {number} of seed {seed}\"\nseed = {}\n", draw.whole(1, 1000));
     let room = Room { low: [0.0; 2], high: f.size.map(|l| l - 0.3 * f.h), h: f.h };
     let regions = outlines(draw, room, soils.len() as u32);
@@ -113,12 +115,17 @@ fn strength(draw: &mut Draw, shear: f64) -> String {
     )
 }
 
-fn frame(draw: &mut Draw, wave: f64) -> Frame {
+/// Whether the scheme is explicit, the side of the cells (m) and their numbers along x and y.
+fn grid(draw: &mut Draw) -> (bool, f64, [u32; 2]) {
     let explicit = draw.chance(0.6);
-    let h = draw.spread(0.05, 4.0);
     // systems of equations cost more
     let most = if explicit { 16 } else { 8 };
-    let size = [draw.whole(1, most), draw.whole(1, most)].map(|n| f64::from(n) * h);
+    let least = if draw.chance(0.1) { 1 } else { 4 };
+    (explicit, draw.spread(0.05, 4.0), [draw.whole(least, most), draw.whole(least, most)])
+}
+
+fn frame(draw: &mut Draw, explicit: bool, h: f64, cells: [u32; 2], wave: f64) -> Frame {
+    let size = cells.map(|n| f64::from(n) * h);
     let sensible = if explicit { 0.25 * h / wave } else { 2.0 * h / wave };
     let step = sensible * if draw.chance(0.4) { 1.0 } else { draw.spread(0.1, LONGEST) };
     let steps = if explicit { draw.whole(30, 300) } else { draw.whole(3, 25) };
@@ -208,12 +215,12 @@ fn schedule(draw: &mut Draw, f: &Frame) -> String {
 fn initial_stress(draw: &mut Draw) -> String {
     let mut stress = || draw.pick(&[-1.0, 1.0]) * draw.spread(1e-3, 100.0);
     let given = [stress(), stress(), stress(), stress()];
-    match draw.whole(0, 9) {
-        0 => format!(
+    match draw.whole(0, 19) {
+        0 | 1 => format!(
             "\n[initial_stress]\nkind = \"given\"\nxx = {:?}\nyy = {:?}\nzz = {:?}\nxy = {:?}\n",
             given[0], given[1], given[2], given[3]
         ),
-        1 => format!("\n[initial_stress]\nkind = \"k0\"\nk0 = {:?}\n", draw.between(0.0, 2.0)),
+        2 => format!("\n[initial_stress]\nkind = \"k0\"\nk0 = {:?}\n", draw.between(0.0, 2.0)),
         _ => String::new(),
     }
 }
