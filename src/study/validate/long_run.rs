@@ -8,7 +8,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::{
     Effort, Files, Problem, Report,
-    measure::mean,
+    measure::{largest, mean},
     reference::Reference,
     rigid::{Rigid, stress_as_spinning},
     setup::Run,
@@ -37,11 +37,15 @@ pub(super) const TRANSFERS: [(&str, &[&str]); 5] = [
 const WAYS: [(&str, &str); 6] =
     [("linear", "musl"), ("gimp", "musl"), ("bspline", "musl"), ("linear", "usl"), ("gimp", "usl"), ("bspline", "usl")];
 
+/// Transfers whose disc runs in the short form too.
+const SPUN: [&str; 3] = ["FLIP", "APIC", "XPIC(5)"];
+
 /// A scheme with a transfer.
 pub(super) struct Setting {
     name: String,
     keys: Vec<String>,
-    implicit: bool,
+    /// Whether the bar and the disc run in the short form too.
+    short: [bool; 2],
     /// Linear FLIP with MUSL: its energy is judged.
     plain: bool,
 }
@@ -52,7 +56,7 @@ impl Setting {
         Setting {
             name: format!("{shape} {} {name}", update.to_uppercase()),
             keys: set.into_iter().chain(keys.iter().map(|k| (*k).to_owned())).collect(),
-            implicit: false,
+            short: [update == "musl", update == "musl" && shape != "gimp" && SPUN.contains(&name)],
             plain: (shape, update, name) == ("linear", "musl", "FLIP"),
         }
     }
@@ -60,15 +64,13 @@ impl Setting {
     pub(super) fn newmark((name, keys): (&str, &[&str])) -> Self {
         let set = ["solver.scheme=implicit", "implicit.regime=newmark"];
         let keys = set.iter().chain(keys).map(|k| (*k).to_owned()).collect();
-        Setting { name: format!("linear Newmark {name}"), keys, implicit: true, plain: false }
+        Setting { name: format!("linear Newmark {name}"), keys, short: [true, false], plain: false }
     }
 
-    /// Those of the table; the short form leaves out most of USL.
-    fn all(effort: Effort) -> Vec<Setting> {
+    /// Those of the table.
+    fn all() -> Vec<Setting> {
         let explicit = WAYS.iter().flat_map(|way| TRANSFERS.iter().map(|t| Setting::explicit(*way, *t)));
-        let kept = explicit
-            .filter(|s| effort == Effort::Full || s.name.contains("MUSL") || s.name.contains("bspline USL APIC"));
-        kept.chain(TRANSFERS.iter().map(|t| Setting::newmark(*t))).collect()
+        explicit.chain(TRANSFERS.iter().map(|t| Setting::newmark(*t))).collect()
     }
 }
 
@@ -86,18 +88,17 @@ impl Problem for LongRun {
 
     fn fill(&self, effort: Effort, reference: &Reference, report: &mut Report) -> Result<(), String> {
         let periods = reference.given(if effort == Effort::Full { "periods" } else { "short_periods" })?;
-        let settings = Setting::all(effort);
-        for setting in &settings {
+        let (settings, full) = (Setting::all(), effort == Effort::Full);
+        for setting in settings.iter().filter(|s| full || s.short[0]) {
             self.bar(setting, periods, reference, report)?;
         }
-        // implicit steps over so many turns take minutes each: in full only
-        for setting in settings.iter().filter(|s| !s.implicit || effort == Effort::Full) {
+        for setting in settings.iter().filter(|s| full || s.short[1]) {
             self.disc(setting, periods, reference, report)?;
         }
         for update in ["musl", "usl"] {
             self.promise(update, reference, report)?;
         }
-        Ok(())
+        TRANSFERS.iter().try_for_each(|(transfer, _)| self.tell(transfer, reference, report))
     }
 }
 
@@ -153,6 +154,26 @@ impl LongRun {
         });
         report.count(&run.sim);
         end.map(|()| (swing, run))
+    }
+
+    /// A note on what a transfer has kept, from the rows of all its runs.
+    fn tell(&self, transfer: &str, reference: &Reference, report: &mut Report) -> Result<(), String> {
+        let mut parts = Vec::new();
+        for (key, what) in [
+            ("bar_energy", "energy of the bar"),
+            ("disc_energy", "energy of the disc"),
+            ("disc_momentum", "its angular momentum"),
+        ] {
+            let (quantity, end) = (&reference.answer(key)?.quantity, format!(" {transfer}"));
+            let rows = report.rows.iter().filter(|r| r.quantity.starts_with(quantity) && r.quantity.ends_with(&end));
+            let kept: Vec<f64> = rows.map(|r| r.ours).collect();
+            if !kept.is_empty() {
+                let (least, most) = (-largest(kept.iter().map(|v| -v)), largest(kept.iter().copied()));
+                parts.push(format!("{what} {least:.3} to {most:.3}"));
+            }
+        }
+        report.note(format!("{transfer} keeps, in parts of the start: {}", parts.join(", ")));
+        Ok(())
     }
 
     /// What APIC promises, over one turn: the mass floor, which withholds forces on light nodes one by one and
