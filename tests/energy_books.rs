@@ -3,7 +3,7 @@
 mod support;
 
 use rmpm::sim::Energies;
-use support::{SLOPE, simulation};
+use support::simulation;
 
 const BAR: &str = include_str!("../cases/bar.toml");
 const DISCS: &str = include_str!("../validation/two-discs/case.toml");
@@ -42,7 +42,7 @@ fn the_maps_of_musl_take_nothing_from_a_free_body() {
 #[test]
 fn the_maps_of_the_other_schemes_take_energy() {
     for keys in [&["explicit.stress_update=usl"][..], &["solver.scheme=implicit", "implicit.regime=newmark"]] {
-        let e = shares(DISCS, &[keys, &["explicit.pic_rate=0", "implicit.pic_rate=0"]].concat(), 1.0);
+        let e = shares(DISCS, &[keys, &["explicit.pic_rate=0", "implicit.pic_rate=0"]].concat(), 3.2);
         assert!(e.transfer > 1e-3, "{keys:?}: {e:?}");
     }
 }
@@ -68,11 +68,11 @@ fn newmark_takes_nothing_in_time() {
     assert!(e.integrator.abs() < 1e-8 && e.unexplained.abs() < 1e-5, "{e:?}");
 }
 
-/// What the explicit scheme leaves unexplained is its error in time, of first order. Twice the first slide: the slope is
-/// not the same slope in both, so that the factor is not 1/2 sharp.
+/// What the explicit scheme leaves unexplained is its error in time, of first order: two discs that have met and parted. They
+/// part with other vibrations, so that the factor is not 1/2 sharp.
 #[test]
 fn what_is_unexplained_falls_with_the_step() {
-    let of = |courant: &str| shares(SLOPE, &["grid.cell=0.5", "explicit.pic_rate=0", courant], 10.0).unexplained;
+    let of = |courant: &str| shares(DISCS, &[courant], 3.2).unexplained;
     let [long, half] = ["explicit.courant=0.25", "explicit.courant=0.125"].map(of);
     assert!(long > 0.0 && half > 0.0 && half < 0.75 * long, "{long} {half}");
 }

@@ -193,3 +193,27 @@ impl Effect for ViscousDamping {
         &mut self.ledger
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::space::Grid;
+
+    /// A body that nothing else moves loses what the damping takes, however much of its velocity a step takes.
+    #[test]
+    fn what_damping_takes_is_what_a_free_body_loses() {
+        let clock = Clock { time: 0.0, dt: 0.5 };
+        let (mass, start) = (2.0, 3.0);
+        let mut nodes = Nodes::new(Grid { origin: [0.0; 2], h: 1.0, cells: [2, 1] });
+        let [s] = nodes.patch(1, &[0]);
+        (nodes.mass[s], nodes.old_velocity[0][s]) = (mass, start);
+        let mut damping = ViscousDamping::new(4.0);
+        damping.force(&mut nodes, clock);
+        let end = start + clock.dt * nodes.force[0][s] / mass;
+        nodes.velocity[0][s] = end;
+        damping.account(&nodes, clock);
+        let lost = 0.5 * mass * (start * start - end * end);
+        assert!((end - start * (-2.0f64).exp()).abs() < 1e-15);
+        assert!((damping.ledger.step.dissipated - lost).abs() < 1e-14, "{:?} of {lost}", damping.ledger.step);
+    }
+}

@@ -216,6 +216,19 @@ mod tests {
     }
 
     #[test]
+    fn a_drive_that_overrules_a_support_does_the_work_of_both() {
+        let mut nodes = Nodes::new(Grid { origin: [0.0; 2], h: 1.0, cells: [2, 1] });
+        let [s] = nodes.patch(1, &[0]);
+        // a support has stopped the node
+        (nodes.mass[s], nodes.old_velocity[0][s], nodes.velocity[0][s]) = (2.0, 1.0, 0.0);
+        let mut drive = Drive::new([[0.5, -1.0], [1.5, 1.0]], [Some(3.0), None], false, f64::INFINITY);
+        let clock = Clock { time: 0.0, dt: 0.1 };
+        drive.constrain(&mut nodes, Pass::Update, clock);
+        drive.account(&nodes, clock);
+        assert_eq!((drive.ledger.step.impulse, drive.ledger.step.external), ([6.0, 0.0], 2.0 * (3.0 - 1.0) * 3.0));
+    }
+
+    #[test]
     fn nodes_on_the_edge_of_a_box_are_in_it() {
         let grid = Grid { origin: [-1.0, 0.0], h: 0.1, cells: [30, 10] };
         let range = NodeRange::of(&grid, [[-0.7, 0.3], [-0.4, 0.3]]);

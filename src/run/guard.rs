@@ -7,9 +7,10 @@ use crate::{
 };
 
 /// Height, in cells, through which the weight of the body falls for the least energy that the drift is compared
-/// with. A drift of 1 % of that is worth a fall through a thousandth of a cell: nobody would see it, and in the
-/// first instants of a run, when hardly anything has been supplied yet, it means nothing.
-const FALL: f64 = 0.1;
+/// with: about that at which the first points cross a cell face. A drift of 1 % of it is worth a fall through 1/400 of a
+/// cell: nobody would see it, and in the first instants of a run, when hardly anything has been supplied yet, it means
+/// nothing.
+const FALL: f64 = 0.25;
 
 /// What the books cannot explain, at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]

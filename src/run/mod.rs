@@ -168,6 +168,8 @@ pub fn run(case: &Case, scene: &mut Scene, limits: Limits, observer: &mut dyn Ob
             }
         }
         if let Err(fault) = sim.step(state.limit(sim)) {
+            // energy that was made may be why: then the record tells both
+            let _ = state.guard.look(sim);
             break (Status::Failed, Some(fault));
         }
         state.note_step(sim, observer)?;

@@ -15,7 +15,7 @@
 //! With f the force on a node, f_int its internal part, s~ the second velocity as supports leave it:
 //! ```text
 //! transfer   as above - sum m jump (v1 - s) / 2 + dt (f - f_int) (v1 - s)
-//! impact     sum (m jump - dt f) (v1 - s) + dt f_int (s~ - s), and where a support acts + m jump (jump - v1 + s) / 2
+//! impact     sum (m jump - dt f) (v1 - s) + dt f_int (s~ - s), and where s~ is not s: + m jump (jump - v1 + s) / 2
 //! ```
 //! (m jump - dt f is the impulse of the supports, and the last term their part of jump M_c jump / 2.) What is left over
 //! is then dt^2 times the difference of two quadratic forms, of force and of strain: the error of the integration in time alone.
@@ -59,7 +59,9 @@ pub fn usl(nodes: &Nodes, dt: f64) -> Flows {
             [&nodes.mass, &nodes.inverse_mass, &nodes.old_velocity[axis], &nodes.velocity[axis], &nodes.force[axis]];
         let [gain, impact] = sum(columns, nodes.count, |[mass, inverse, start, end, force]| {
             let push = mass * (end - start);
-            let stopped = if is_free(start, end, dt * force * inverse) { 0.0 } else { end - start };
+            // nothing but the force has changed a free node: its velocity is this very sum
+            let free = end == start + dt * force * inverse;
+            let stopped = if free { 0.0 } else { end - start };
             [0.5 * push * (end + start), 0.5 * push * stopped]
         });
         flows.nodes += gain;
@@ -87,7 +89,8 @@ pub fn musl(nodes: &Nodes, dt: f64) -> Flows {
             sum(columns, nodes.count, |[mass, inverse, start, end, force, internal, momentum, strain]| {
                 let (jump, second) = (end - start, momentum * inverse);
                 let (push, lag) = (mass * jump, end - second);
-                let stopped = if is_free(start, end, dt * force * inverse) { 0.0 } else { jump - lag };
+                // what the second pass leaves alone is moved by forces, friction among them
+                let stopped = if strain == second { 0.0 } else { jump - lag };
                 let given = dt * (force - internal) * lag - 0.5 * push * lag;
                 let impact = (push - dt * force) * lag + dt * internal * (strain - second);
                 [0.5 * push * (end + start) + given, impact + 0.5 * push * stopped]
@@ -96,12 +99,6 @@ pub fn musl(nodes: &Nodes, dt: f64) -> Flows {
         flows.impact += impact;
     }
     flows
-}
-
-/// Whether nothing but the force has changed a velocity: then these are the very bits of the sum.
-#[inline(always)]
-fn is_free(start: f64, end: f64, change: f64) -> bool {
-    end == start + change
 }
 
 /// Components summed side by side: a fixed order, and a loop that processors do several of at once.
