@@ -61,7 +61,14 @@ const EXPLICIT_ROWS: &[Row] = &[
     ("+ b_bar", Some("+ softening"), &["solver.locking=b_bar"]),
     ("+ gimp", Some("+ softening"), &["solver.shape=gimp"]),
     ("+ gimp_wide", Some("+ softening"), &["solver.shape=gimp_wide"]),
+    ("+ bspline", Some("+ softening"), &["solver.shape=bspline"]),
+    ("+ apic", Some("+ softening"), &["solver.transfer=apic"]),
+    ("+ xpic, order 3", Some("+ softening"), &["solver.transfer=xpic", "solver.xpic_order=3"]),
+    ("+ fracture energy", Some("+ softening"), &[ENERGY, LENGTH]),
+    ("+ nonlocal softening", Some("+ softening"), &["material.clay.regularisation=nonlocal", LENGTH]),
 ];
+const ENERGY: &str = "material.clay.regularisation=fracture_energy";
+const LENGTH: &str = "material.clay.reference_length=1";
 const FRICTION: &str = "boundary.base={kind=\"friction\",coefficient=0.3,separation=false}";
 const OPENING: &str = "boundary.base={kind=\"friction\",coefficient=0.3,separation=true}";
 
@@ -75,6 +82,7 @@ const IMPLICIT_ROWS: &[Row] = &[
     ("+ b_bar", Some("+ finite strain"), &[ELASTIC, "solver.locking=b_bar"]),
     ("+ ghost penalty", Some("+ finite strain"), &[ELASTIC, "implicit.ghost_stiffness=0.01"]),
     ("+ gimp", Some("+ finite strain"), &[ELASTIC, "solver.shape=gimp"]),
+    ("+ bspline", Some("+ finite strain"), &[ELASTIC, "solver.shape=bspline"]),
 ];
 
 /// What a row costs, a point and step.
