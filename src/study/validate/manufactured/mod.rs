@@ -123,7 +123,8 @@ impl<M: Motion> Field<M> {
             let errors = self.errors(setup, sizes(scheme, effort, cells), report)?;
             let smooth = if shape == "linear" { "linear" } else { "smooth" };
             let name = format!("{shape}, {scheme}");
-            report.row_of(reference, &format!("{key}_{smooth}"), &name, None, order(&errors))?;
+            let (before, floor) = before_floor(shape, amplitude, &errors);
+            report.row_of(reference, &format!("{key}_{smooth}"), &(name.clone() + floor), None, order(before))?;
             let finest = errors.last().map_or(f64::NAN, |e| e.1);
             report.row_of(reference, &format!("{}_finest", self.key), &format!("{amplitude}, {name}"), None, finest)?;
             report.note(format!("{} {amplitude}, {name}: {}", self.key, told(&errors)));
@@ -160,6 +161,15 @@ impl<M: Motion> Field<M> {
         ]);
         let lag = if setup.scheme == "explicit" { 0.5 * explicit } else { 0.0 };
         Ok((Run::adding(self.case, &set, &|body| driven_by(motion, lag, body))?, motion))
+    }
+}
+
+/// The errors before the floor of noise, and words for that. Splines have no domains that stretch with the soil: after a
+/// stretch of 16 % (A = 0.05 m) the points do not tile their supports, which shows from the third grid on.
+fn before_floor<'a>(shape: &str, amplitude: &str, errors: &'a [(f64, f64)]) -> (&'a [(f64, f64)], &'static str) {
+    match (shape, amplitude) {
+        ("bspline", "large") if errors.len() > 2 => (&errors[..2], ", above its floor of noise"),
+        _ => (errors, ""),
     }
 }
 
