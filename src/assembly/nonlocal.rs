@@ -11,7 +11,7 @@
 //! Points do not look for each other. Volume and volume times strain go to the nodes with the shape functions, are
 //! smoothed there by one discrete kernel along x and y, and their ratio comes back to the points: O(nodes x width).
 //! The two maps smear by themselves, with the variance sum N_i (x_i - x)^2 each. The kernel has the variance that is
-//! left over of l^2 / 2, exactly ([`kernel`]). An average stays within the points of one material.
+//! left over of l^2 / 2, exactly (`kernel`). An average stays within the points of one material.
 
 use super::{Scratch, place};
 use crate::{

@@ -4,7 +4,7 @@
 //! ```text
 //! sum w_i (p(X_i) - q_i)^2 -> min,   value = p(x),   w = (1 - (d / R)^2)^2 for d < R
 //! ```
-//! X are places at the start, d = |X - x|, R = [`REACH`] sides of a point. So linear and quadratic fields are read
+//! X are places at the start, d = |X - x|, R = `REACH` sides of a point. So linear and quadratic fields are read
 //! exactly whatever the layout of the points, and smooth ones with an error of third order in their distance, less
 //! than that of the method. The weights fall smoothly to 0 at R: the value does not jump where a point comes in.
 //! Where the points do not tell a curvature (two across a bar) a linear function is fitted, with an error of second

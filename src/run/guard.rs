@@ -79,7 +79,7 @@ impl Guard {
     }
 }
 
-/// The least energy (kJ/m) that the drift of a body of this mass (t/m) is compared with: see [`FALL`].
+/// The least energy (kJ/m) that the drift of a body of this mass (t/m) is compared with: see `FALL`.
 pub fn least_supply(case: &Case, mass: f64) -> f64 {
     let pull = if case.gravity.schedule == GravitySchedule::None { 0.0 } else { case.gravity.acceleration };
     FALL * case.grid.cell * mass * pull

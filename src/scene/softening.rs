@@ -28,7 +28,7 @@ fn band_cells(shape: case::ShapeFunctions) -> f64 {
 }
 
 /// Factor on the softening modulus of a soil on the grid of a case. A nonlocal band dissipates what one of its effective
-/// width does, [`band::effective_width`] times l_ref.
+/// width does, `band::effective_width` times l_ref.
 pub fn factor(case: &Case, strength: &case::Strength) -> f64 {
     match strength.regularisation {
         Regularisation::None => 1.0,

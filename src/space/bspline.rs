@@ -13,7 +13,7 @@
 //!   linear fields are reproduced up to the side, and a point at a support moves as the support does.
 //!   (Steffen et al. change the splines of the first three nodes for that, Gan, Sun, Chen, Liu & Wei 2018
 //!   move the nodes; here the functions of the nodes inside stay what they are.)
-//! - A point that lies half-way between nodes to within [`EDGE`] is half-way: a node so far away would
+//! - A point that lies half-way between nodes to within `EDGE` is half-way: a node so far away would
 //!   have next to no mass.
 //! - So a patch may hold nodes of weight 0, as with GIMP: one in the half cell at a side, and half-way.
 

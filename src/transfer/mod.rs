@@ -1,6 +1,6 @@
 //! From the grid back to the points: how they move, and what velocity they get.
 //!
-//! A pass over the blocks ([`Push`], [`Carry`]) does what all transfers share; a [`Rule`] says what a
+//! A pass over the blocks ([`Push`], [`Carry`]) does what all transfers share; a `Rule` says what a
 //! point makes of the nodal velocities. Which rule is settled once a pass, by the [`Carrier`].
 
 mod apic;

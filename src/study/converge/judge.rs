@@ -66,7 +66,7 @@ pub enum Verdict {
     OddRate {
         rate: Rate,
     },
-    /// The interval of the rate is wider than [`WIDEST`], or too many resamples have none.
+    /// The interval of the rate is wider than `WIDEST`, or too many resamples have none.
     Uncertain {
         rate: Rate,
     },
