@@ -17,10 +17,11 @@ fn outcome(text: &str, keys: &[&str]) -> Outcome {
     run(&case, &mut scene, Limits::NONE, &mut Blind).unwrap()
 }
 
+/// USL is not among them: what its mass floor withholds from light nodes no book explains (3 % here).
 #[test]
 fn it_is_silent_where_the_scheme_is_sound() {
     let slope = ["grid.cell=0.5", "end.time=9"];
-    for keys in [&[][..], &["solver.shape=gimp"], &["explicit.stress_update=usl"]] {
+    for keys in [&[][..], &["solver.shape=gimp"]] {
         let o = outcome(SLOPE, &[&slope, keys].concat());
         assert_eq!((o.status, o.drift), (Status::EndTime, None), "{keys:?}");
     }
