@@ -7,11 +7,12 @@ use super::{
     outline::{Polygon, Room, outlines},
 };
 
-const SHAPES: &[&str] = &["linear", "gimp", "gimp_wide"];
+const SHAPES: &[&str] = &["linear", "gimp", "gimp_wide", "bspline"];
+const TRANSFERS: &[&str] = &["flip", "flip", "flip", "apic", "xpic"];
 const UPDATES: &[&str] = &["musl", "usl"];
 const EXPLICIT_KINEMATICS: &[&str] = &["hencky", "rate"];
 const IMPLICIT_KINEMATICS: &[&str] = &["hencky", "hencky", "small"];
-const EXPLICIT_LOCKING: &[&str] = &["none"];
+const EXPLICIT_LOCKING: &[&str] = &["none", "none", "b_bar"];
 const IMPLICIT_LOCKING: &[&str] = &["none", "b_bar"];
 const REGIMES: &[&str] = &["auto", "quasi_static", "newmark", "hht", "backward_euler"];
 const INERTIA: &[&str] = &["newmark", "hht", "backward_euler"];
@@ -19,6 +20,7 @@ const LAYOUTS: &[&str] = &["gauss", "even"];
 const CUT_CELLS: &[&str] = &["full", "inside", "scaled"];
 const UNSYMMETRIC: &[&str] = &["auto", "lu", "gmres"];
 const ORDERINGS: &[&str] = &["auto", "amd", "nested_dissection"];
+const REGULARISATIONS: &[&str] = &["none", "none", "fracture_energy", "nonlocal"];
 const MEASURES: &[&str] = &["cauchy", "kirchhoff"];
 const CORRELATIONS: &[&str] = &["markov", "markov_separable", "gaussian", "spherical"];
 const GENERATORS: &[&str] = &["auto", "las", "exact", "embedding"];
@@ -63,7 +65,7 @@ pub(super) fn scene(seed: u64, number: u64) -> String {
     let gravity = draw.pick(&[9.81, 9.81, 1.0, 98.1]);
     let (explicit, h, cells) = grid(draw);
     // a soil has three cells of width at least, on the mean
-    let soils: Vec<Soil> = (0..draw.whole(1, (cells[0] / 3).clamp(1, 3))).map(|k| soil(draw, k, gravity)).collect();
+    let soils: Vec<Soil> = (0..draw.whole(1, (cells[0] / 3).clamp(1, 3))).map(|k| soil(draw, k, gravity, h)).collect();
     let wave = soils.iter().map(|s| s.wave).fold(0.0, f64::max);
     let f = frame(draw, explicit, h, cells, wave);
     let mut s = format!("title = \"Random scene {number} of seed {seed}\"\nseed = {}\n", draw.whole(1, 1000));
@@ -90,29 +92,34 @@ pub(super) fn scene(seed: u64, number: u64) -> String {
     s
 }
 
-fn soil(draw: &mut Draw, number: u32, gravity: f64) -> Soil {
+fn soil(draw: &mut Draw, number: u32, gravity: f64, h: f64) -> Soil {
     let (weight, young, ratio) = (draw.spread(1.0, 40.0), draw.spread(10.0, 1e6), draw.pick(RATIOS));
     let mut text = format!(
         "\n[material.soil{number}]\nunit_weight = {weight:?}\nyoung_modulus = {young:?}\npoisson_ratio = {ratio:?}\n"
     );
     let strong = draw.chance(0.3);
-    text += &if strong { "law = \"elastic\"\n".to_owned() } else { strength(draw, young / (2.0 * (1.0 + ratio))) };
+    text += &if strong { "law = \"elastic\"\n".to_owned() } else { strength(draw, young / (2.0 * (1.0 + ratio)), h) };
     let modulus = young * (1.0 - ratio) / ((1.0 + ratio) * (1.0 - 2.0 * ratio));
     Soil { name: format!("soil{number}"), text, wave: (modulus * gravity / weight).sqrt(), strong }
 }
 
 /// Strengths from nothing to more than anything, that soften, harden or stay.
-fn strength(draw: &mut Draw, shear: f64) -> String {
+fn strength(draw: &mut Draw, shear: f64, h: f64) -> String {
     let cohesion = draw.spread(1e-6, 100.0);
     let slope: f64 = draw.pick(&[-1.0, -1.0, 0.0, 1.0]);
     let residual =
         cohesion * if slope < 0.0 { draw.spread(1e-3, 1.0) } else { 1.0 + slope.abs() * draw.between(0.0, 2.0) };
-    format!(
-        "law = \"von_mises\"\ncohesion = {cohesion:?}\nresidual_cohesion = {residual:?}\nsoftening_modulus = {:?}\nyield_constant = {}\nstrength_measure = \"{}\"\n",
-        slope * shear * draw.spread(1e-4, 0.9),
-        draw.pick(&["\"sqrt(3)\"", "1.0", "2.0"]),
-        draw.pick(MEASURES)
-    )
+    let length = match draw.pick(REGULARISATIONS) {
+        "none" => String::new(),
+        with => format!("regularisation = \"{with}\"\nreference_length = {:?}\n", h * draw.spread(0.3, 10.0)),
+    };
+    length
+        + &format!(
+            "law = \"von_mises\"\ncohesion = {cohesion:?}\nresidual_cohesion = {residual:?}\nsoftening_modulus = {:?}\nyield_constant = {}\nstrength_measure = \"{}\"\n",
+            slope * shear * draw.spread(1e-4, 0.9),
+            draw.pick(&["\"sqrt(3)\"", "1.0", "2.0"]),
+            draw.pick(MEASURES)
+        )
 }
 
 /// Whether the scheme is explicit, the side of the cells (m) and their numbers along x and y.
@@ -143,19 +150,24 @@ fn solver(draw: &mut Draw, f: &Frame) -> String {
     } else {
         ("implicit", draw.pick(IMPLICIT_KINEMATICS), draw.pick(IMPLICIT_LOCKING))
     };
-    let shape = draw.pick(SHAPES);
-    let solver = format!(
-        "\n[solver]\nscheme = \"{scheme}\"\nkinematics = \"{kinematics}\"\nlocking = \"{locking}\"\nshape = \"{shape}\"\n"
+    let (shape, transfer) = (draw.pick(SHAPES), draw.pick(TRANSFERS));
+    let mut solver = format!(
+        "\n[solver]\nscheme = \"{scheme}\"\nkinematics = \"{kinematics}\"\nlocking = \"{locking}\"\nshape = \"{shape}\"\ntransfer = \"{transfer}\"\n"
     );
-    solver + &if f.explicit { explicit(draw, f) } else { implicit(draw, f) }
+    if transfer == "xpic" {
+        let _ = writeln!(solver, "xpic_order = {}", draw.whole(1, 10));
+    }
+    // a rate of PIC is a key of FLIP
+    let pic = if transfer == "flip" { format!("pic_rate = {:?}\n", pic_rate(draw)) } else { String::new() };
+    solver + &if f.explicit { explicit(draw, f, &pic) } else { implicit(draw, f, &pic) }
 }
 
 fn pic_rate(draw: &mut Draw) -> f64 {
     if draw.chance(0.5) { 0.5 } else { draw.pick(&[0.0, 50.0, 1e6]) }
 }
 
-fn explicit(draw: &mut Draw, f: &Frame) -> String {
-    let mut s = format!("\n[explicit]\nstress_update = \"{}\"\npic_rate = {:?}\n", draw.pick(UPDATES), pic_rate(draw));
+fn explicit(draw: &mut Draw, f: &Frame, pic: &str) -> String {
+    let mut s = format!("\n[explicit]\nstress_update = \"{}\"\n{pic}", draw.pick(UPDATES));
     if draw.chance(0.6) {
         let _ = writeln!(s, "time_step = {:?}", f.step);
     } else {
@@ -168,9 +180,9 @@ fn explicit(draw: &mut Draw, f: &Frame) -> String {
 }
 
 /// Steps are cut to 1/16 at most, which bounds the work.
-fn implicit(draw: &mut Draw, f: &Frame) -> String {
+fn implicit(draw: &mut Draw, f: &Frame, pic: &str) -> String {
     let regime = draw.pick(REGIMES);
-    let mut s = format!("\n[implicit]\nregime = \"{regime}\"\npic_rate = {:?}\n", pic_rate(draw));
+    let mut s = format!("\n[implicit]\nregime = \"{regime}\"\n{pic}");
     if regime == "auto" {
         let _ = writeln!(s, "inertia = \"{}\"", draw.pick(INERTIA));
     }
