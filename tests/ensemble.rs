@@ -1,6 +1,8 @@
 //! `rmpm ensemble` and `rmpm merge` from outside: the same bytes whatever the threads, the shards and
 //! the interruptions, and no row lost.
 
+mod support;
+
 use std::{
     fs,
     path::{Path, PathBuf},
@@ -8,6 +10,7 @@ use std::{
 
 use assert_cmd::Command;
 use serde_json::Value;
+use support::program::ends;
 use tempfile::TempDir;
 
 const SLOPE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/cases/clay-slope.toml");
@@ -34,14 +37,6 @@ fn merge(shards: &[PathBuf], out: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_rmpm"));
     command.arg("merge").args(shards).arg("--out").arg(out);
     command
-}
-
-/// Standard output and standard error of a command that ends with `code`.
-#[track_caller]
-fn ends(mut command: Command, code: i32) -> (String, String) {
-    let assert = command.assert().code(code);
-    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("text");
-    (text(&assert.get_output().stdout), text(&assert.get_output().stderr))
 }
 
 fn read(path: PathBuf) -> Vec<u8> {

@@ -1,13 +1,12 @@
 //! `rmpm field` from outside: its files, its figures, its exit codes.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+mod support;
+
+use std::{fs, path::Path};
 
 use assert_cmd::Command;
 use serde_json::Value;
-use tempfile::TempDir;
+use support::program::{ends, folder};
 
 const SLOPE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/validation/field/case.toml");
 const UNIFORM: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/cases/clay-slope.toml");
@@ -16,20 +15,6 @@ fn field(case: &str, out: &Path, more: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_rmpm"));
     command.args(["field", case, "--out"]).arg(out).args(more);
     command
-}
-
-/// Standard output and standard error of a command that ends with `code`.
-#[track_caller]
-fn ends(mut command: Command, code: i32) -> (String, String) {
-    let assert = command.assert().code(code);
-    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("text");
-    (text(&assert.get_output().stdout), text(&assert.get_output().stderr))
-}
-
-fn folder() -> (TempDir, PathBuf) {
-    let root = tempfile::tempdir().expect("a folder");
-    let out = root.path().join("fields");
-    (root, out)
 }
 
 /// The numbers of an array, which stand in the last 8 x cells bytes.

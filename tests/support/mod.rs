@@ -3,6 +3,8 @@
 // Each test file uses its own part.
 #![allow(dead_code)]
 
+pub mod program;
+
 use rmpm::{case, scene, scene::Scene, sim::Simulation};
 
 /// The paper's slope.

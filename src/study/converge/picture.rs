@@ -89,7 +89,8 @@ fn intervals(study: &Study) -> IntervalPlot {
 }
 
 fn in_unit(name: &str, unit: &str) -> String {
-    if unit.is_empty() { name.to_owned() } else { format!("{name} ({unit})") }
+    let words = name.replace('_', " ");
+    if unit.is_empty() { words } else { format!("{words} ({unit})") }
 }
 
 /// One ladder: errors with the fitted slope where the rate is clean or the exact value known, else values.
@@ -121,15 +122,15 @@ fn title(ladder: &Ladder) -> String {
         Verdict::Clean { rate, limit, uncertainty } => {
             format!("rate {}, limit {} +- {}", digits(rate.value, 3), digits(limit, 5), digits(uncertainty, 2))
         }
-        Verdict::SignChange => "does not converge: differences change sign".to_owned(),
-        Verdict::NoDecay { .. } => "does not converge: differences do not fall".to_owned(),
-        Verdict::Unresolved { .. } => "last difference within the scatter".to_owned(),
+        Verdict::SignChange => "differences change sign".to_owned(),
+        Verdict::NoDecay { .. } => "differences do not fall".to_owned(),
+        Verdict::Unresolved { .. } => "lost in the scatter".to_owned(),
         Verdict::Same => "the same at all levels".to_owned(),
         Verdict::TwoLevels => "one difference".to_owned(),
         Verdict::OddRate { .. } | Verdict::Uncertain { .. } => "no clean rate".to_owned(),
         Verdict::NoValues => "no values".to_owned(),
     };
-    format!("{} by {}: {told}", ladder.quantity, ladder.axis.words())
+    format!("By {}: {told}", ladder.axis.words())
 }
 
 /// Errors against the exact value, and against the limit with the line of the rate.
