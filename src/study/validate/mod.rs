@@ -47,7 +47,7 @@ pub use figure::Figure;
 pub use page::page;
 pub use remedy::Remedy;
 pub use report::{Cost, Report, Row};
-pub use table::table;
+pub use table::{header, section, total};
 
 use crate::output::record::cpu_seconds;
 use reference::Reference;
@@ -92,16 +92,15 @@ pub trait Problem: Sync {
         Reference::read(self.files().reference).map(|r| r.source).unwrap_or_default()
     }
 
-    /// Runs it.
+    /// Runs it as far as it goes.
     ///
     /// # Errors
-    /// As [`Problem::fill`], with the name of the problem.
+    /// A reference that cannot be read.
     fn run(&self, effort: Effort) -> Result<Report, String> {
-        let named = |e: String| format!("{}: {e}", self.name());
-        let reference = Reference::read(self.files().reference).map_err(named)?;
+        let reference = Reference::read(self.files().reference).map_err(|e| format!("{}: {e}", self.name()))?;
         let mut report = Report::new(self.name(), &reference);
         let before = cpu_seconds();
-        self.fill(effort, &reference, &mut report).map_err(named)?;
+        report.fault = self.fill(effort, &reference, &mut report).err();
         report.cost.cpu_s = cpu_seconds().zip(before).map(|(after, before)| after - before);
         Ok(report)
     }
@@ -141,14 +140,12 @@ pub fn problems() -> &'static [&'static dyn Problem] {
     ]
 }
 
-/// Runs the problems with these names, or all where no name is given.
+/// The problems with these names, or all where no name is given.
 ///
 /// # Errors
-/// An unknown name, with the list of names; or the first problem that could not be run.
-pub fn run(names: &[String], effort: Effort) -> Result<Vec<Report>, String> {
-    let chosen = names.iter().map(|name| find(name)).collect::<Result<Vec<_>, _>>()?;
-    let chosen = if names.is_empty() { problems().to_vec() } else { chosen };
-    chosen.into_iter().map(|problem| problem.run(effort)).collect()
+/// An unknown name, with the list of names.
+pub fn choose(names: &[String]) -> Result<Vec<&'static dyn Problem>, String> {
+    if names.is_empty() { Ok(problems().to_vec()) } else { names.iter().map(|name| find(name)).collect() }
 }
 
 fn find(name: &str) -> Result<&'static dyn Problem, String> {
@@ -169,7 +166,7 @@ mod tests {
 
     #[test]
     fn an_unknown_name_lists_the_problems_and_suggests_one() {
-        let message = run(&["inclin".to_owned()], Effort::Short).unwrap_err();
+        let message = choose(&["inclin".to_owned()]).err().unwrap_or_default();
         assert!(message.contains("did you mean `incline`?") && message.contains("two-discs"), "{message}");
     }
 

@@ -39,7 +39,7 @@ pub fn page(reports: &[Report], effort: Effort, build: &Build) -> io::Result<Str
 
 fn head(reports: &[Report], effort: Effort, build: &Build) -> String {
     let rows = reports.iter().flat_map(|r| &r.rows);
-    let failed = rows.clone().filter(|row| !row.pass).count();
+    let failed: usize = reports.iter().map(Report::failed).sum();
     let judged = rows.clone().filter(|row| row.tolerance.is_some()).count();
     format!(
         "<h1>Validation of rmpm {}</h1>\n<p class=\"small\">commit {}, {}, {}; {}.</p>\n<p>{} rows: {judged} are judged against an exact or published answer, {failed} of them failed; the others are reported.</p>\n",
@@ -59,7 +59,7 @@ fn contents(reports: &[Report]) -> String {
     let rows: String = reports
         .iter()
         .map(|r| {
-            let failed = r.rows.iter().filter(|row| !row.pass).count();
+            let failed = r.failed();
             let judgement = if failed == 0 { "ok".to_owned() } else { format!("{failed} failed") };
             let class = if failed == 0 { "ok" } else { "FAILED" };
             let name = escape(&r.name);
@@ -85,11 +85,12 @@ fn section(report: &Report) -> io::Result<String> {
     let rows: String =
         report.rows.iter().map(|r| row(r, numbers.get(&r.why_tolerance).copied().unwrap_or(0))).collect();
     Ok(format!(
-        "<section>\n<h2 id=\"{0}\">{0}</h2>\n<p>{1}</p>\n<p class=\"small\">Source: {2}</p>\n{remedies}{figures}<table>\n<thead><tr><th>quantity</th><th class=\"n\">exact</th><th class=\"n\">ours</th><th class=\"n\">error</th><th class=\"n\">tolerance</th><th>verdict</th></tr></thead>\n<tbody>\n{rows}</tbody>\n</table>\n<ol class=\"small\">\n{whys}</ol>\n{3}</section>\n",
+        "<section>\n<h2 id=\"{0}\">{0}</h2>\n<p>{1}</p>\n<p class=\"small\">Source: {2}</p>\n{remedies}{figures}<table>\n<thead><tr><th>quantity</th><th class=\"n\">exact</th><th class=\"n\">ours</th><th class=\"n\">error</th><th class=\"n\">tolerance</th><th>verdict</th></tr></thead>\n<tbody>\n{rows}</tbody>\n</table>\n<ol class=\"small\">\n{whys}</ol>\n{3}{4}</section>\n",
         escape(&report.name),
         sentence(&report.about),
         sentence(&report.source),
-        notes(&report.notes)
+        notes(&report.notes),
+        report.fault.iter().map(|f| format!("<p class=\"FAILED\">Stopped: {}</p>\n", escape(f))).collect::<String>()
     ))
 }
 

@@ -43,6 +43,8 @@ pub struct Report {
     pub remedies: Vec<Remedy>,
     /// What a reader should know beside the numbers.
     pub notes: Vec<String>,
+    /// Why it could not be run to its end; the rows are those it came to.
+    pub fault: Option<String>,
     /// Case files to be run again, by name: written beside the report.
     #[serde(skip)]
     pub files: BTreeMap<String, String>,
@@ -88,13 +90,19 @@ impl Report {
             figures: Vec::new(),
             remedies: Vec::new(),
             notes: Vec::new(),
+            fault: None,
             files: BTreeMap::new(),
         }
     }
 
-    /// Whether every row passes.
+    /// Whether it ran to its end and every row passes.
     pub fn pass(&self) -> bool {
-        self.rows.iter().all(|row| row.pass)
+        self.failed() == 0
+    }
+
+    /// Rows that fail, and one more if it did not run to its end.
+    pub fn failed(&self) -> usize {
+        self.rows.iter().filter(|row| !row.pass).count() + usize::from(self.fault.is_some())
     }
 
     /// Adds a row against the answer `key` of the reference.
@@ -164,7 +172,7 @@ impl Report {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::validate::table;
+    use crate::study::validate::{section, total};
 
     #[test]
     fn a_row_passes_within_its_tolerance_and_not_a_number_never_does() {
@@ -175,6 +183,8 @@ mod tests {
             report.row(&reference, "x", ours).unwrap();
         }
         assert_eq!(report.rows.iter().map(|r| r.pass).collect::<Vec<_>>(), [true, false, false]);
-        assert!(table(&[report]).contains("3 rows, 2 failed"));
+        report.fault = Some("no end".to_owned());
+        assert!(section(&report).contains("STOPPED: no end") && !report.pass());
+        assert!(total(&[report]).contains("3 rows, 3 failed"));
     }
 }

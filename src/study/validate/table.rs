@@ -2,22 +2,25 @@
 
 use super::{Report, Row, remedy::aligned};
 
-/// The reports as an aligned table for a terminal.
-pub fn table(reports: &[Report]) -> String {
-    let widest = |r: &Report| r.rows.iter().map(|row| row.quantity.chars().count()).max().unwrap_or(0);
-    let width = reports.iter().map(widest).max().unwrap_or(0).max(8);
-    let mut out =
-        format!("{:width$}  {:>12}  {:>12}  {:>10}  {:>10}\n", "quantity", "exact", "ours", "error", "tolerance");
-    for report in reports {
-        out += &section(report, width);
-    }
-    let rows = reports.iter().flat_map(|r| &r.rows);
-    let failed = rows.clone().filter(|row| !row.pass).count();
-    out + &format!("\n{} rows, {failed} failed\n", rows.count())
+/// Least width of the column of quantities.
+const WIDTH: usize = 60;
+
+/// Names of the columns.
+pub fn header() -> String {
+    format!("{:WIDTH$}  {:>12}  {:>12}  {:>10}  {:>10}\n", "quantity", "exact", "ours", "error", "tolerance")
 }
 
-fn section(report: &Report, width: usize) -> String {
+/// How many rows there are, and how many failed.
+pub fn total(reports: &[Report]) -> String {
+    let rows: usize = reports.iter().map(|r| r.rows.len()).sum();
+    let failed: usize = reports.iter().map(Report::failed).sum();
+    format!("\n{rows} rows, {failed} failed\n")
+}
+
+/// One problem as an aligned table for a terminal.
+pub fn section(report: &Report) -> String {
     let mut out = format!("\n{}: {}\n", report.name, report.about);
+    let width = report.rows.iter().map(|row| row.quantity.chars().count()).fold(WIDTH, usize::max);
     for row in &report.rows {
         let verdict = verdict(row);
         out += &format!(
@@ -31,6 +34,7 @@ fn section(report: &Report, width: usize) -> String {
     }
     out += &aligned(&report.remedies);
     out += &format!("  {}\n", cost(report));
+    report.fault.iter().for_each(|fault| out += &format!("  STOPPED: {fault}\n"));
     report.notes.iter().for_each(|note| out += &format!("  note: {note}\n"));
     out
 }
