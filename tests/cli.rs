@@ -164,7 +164,7 @@ fn two_runs_leave_the_same_bytes() {
     }
 }
 
-/// AVX2 only makes the operations of the baseline wider: it rounds alike.
+/// Wider vectors only do more of the operations of the baseline at once: they round alike.
 #[test]
 fn the_baseline_instructions_leave_the_same_bytes() {
     let ((_a, first), (_b, second)) = (folder(), folder());

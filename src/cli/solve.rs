@@ -163,7 +163,7 @@ fn timing(
         peak_memory_bytes: peak_memory(),
         bytes_per_point: scene.simulation.body.bytes_per_point(),
         particle_steps_per_cpu_s: solve_cpu.filter(|c| *c > 0.0).map(|c| record.work.particle_steps as f64 / c),
-        instruction_path: format!("{:?}", FpPath::best()).to_lowercase(),
+        instruction_path: FpPath::best().to_string(),
     }
 }
 
