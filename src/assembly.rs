@@ -159,18 +159,21 @@ pub fn spread<const N: usize, const C: usize>(
     nodal: &mut [Spread<N>; 4],
     columns: [&[f64]; C],
 ) {
+    // of one length: a slot is checked once for all columns
+    let shortest = columns.iter().map(|c| c.len()).fold(usize::MAX, usize::min);
+    let columns = columns.map(|c| &c[..shortest]);
     for run in patches {
         let slots = run.slots.map(|s| s as usize);
-        for (c, column) in columns.iter().enumerate() {
-            let values: [f64; N] = std::array::from_fn(|k| column[slots[k]]);
-            // whole vectors: what is written past the run belongs to the next one, which follows
-            let mut i = run.start as usize % LANES;
-            while i < (run.end as usize).min(LANES) {
+        let values: [[f64; N]; C] = std::array::from_fn(|c| slots.map(|slot| columns[c][slot]));
+        // whole vectors: what is written past the run belongs to the next one, which follows
+        let (mut i, end) = (run.start as usize, (run.end as usize).min(LANES));
+        while i < end {
+            for c in 0..C {
                 for k in 0..N {
-                    nodal[c].0[k][i..i + STRIP].copy_from_slice(&[values[k]; STRIP]);
+                    nodal[c].0[k][i..i + STRIP].copy_from_slice(&[values[c][k]; STRIP]);
                 }
-                i += STRIP;
             }
+            i += STRIP;
         }
     }
 }
@@ -179,8 +182,9 @@ pub fn spread<const N: usize, const C: usize>(
 /// components, since its length is hard to predict.
 #[inline(always)]
 pub fn collect<const N: usize, const C: usize>(shares: &[Patch<N>], run: &RunPatch<N>) -> [[f64; N]; C] {
-    let mut sum = [[0.0; N]; C];
-    for i in run.start as usize..(run.end as usize).min(LANES) {
+    let (start, end) = (run.start as usize % LANES, (run.end as usize).min(LANES));
+    let mut sum: [[f64; N]; C] = std::array::from_fn(|c| std::array::from_fn(|k| shares[c].0[k][start]));
+    for i in start + 1..end {
         for c in 0..C {
             for k in 0..N {
                 sum[c][k] += shares[c].0[k][i];
@@ -190,10 +194,16 @@ pub fn collect<const N: usize, const C: usize>(shares: &[Patch<N>], run: &RunPat
     sum
 }
 
+/// Adds the sums of a run to the nodal columns. They are cut to one length, so that a slot is
+/// checked once for all of them.
 #[inline(always)]
-pub fn deposit<const N: usize>(column: &mut [f64], slots: &[usize; N], values: [f64; N]) {
+pub fn deposit<const N: usize, const C: usize>(columns: [&mut [f64]; C], slots: &[usize; N], sums: [[f64; N]; C]) {
+    let shortest = columns.iter().map(|c| c.len()).fold(usize::MAX, usize::min);
+    let columns = columns.map(|c| &mut c[..shortest]);
     for k in 0..N {
-        column[slots[k]] += values[k];
+        for c in 0..C {
+            columns[c][slots[k]] += sums[c][k];
+        }
     }
 }
 
@@ -243,13 +253,8 @@ impl<S: Shape<N>, const N: usize> Kernel for Scatter<'_, S, N> {
                     let slots = nodes.patch(run.base, &offsets);
                     let run = RunPatch { start: run.start, end: run.end, slots: slots.map(|s| s as u32) };
                     s.runs.runs.push(run);
-                    let [m, px, py] = collect(&s.shares[..3], &run);
-                    let [fx, fy] = collect(&s.shares[3..], &run);
-                    deposit(&mut nodes.mass, &slots, m);
-                    deposit(&mut nodes.momentum[0], &slots, px);
-                    deposit(&mut nodes.momentum[1], &slots, py);
-                    deposit(&mut nodes.force[0], &slots, fx);
-                    deposit(&mut nodes.force[1], &slots, fy);
+                    let Nodes { mass, momentum: [px, py], force: [fx, fy], .. } = &mut *nodes;
+                    deposit([mass, px, py, fx, fy], &slots, collect(&s.shares, &run));
                 }
                 s.runs.ends.push(s.runs.runs.len() as u32);
             }
@@ -291,7 +296,7 @@ fn shares<const N: usize>(s: &mut Scratch<N>) {
         let mass = s.mass.0[i];
         let (mvx, mvy) = (mass * s.v.0[0][i], mass * s.v.0[1][i]);
         for k in 0..N {
-            let (w, gx, gy) = (s.stencil.weight[k][i], s.stencil.grad[0][k][i], s.stencil.grad[1][k][i]);
+            let (w, [gx, gy]) = (s.stencil.weight(k, i), s.stencil.grad(k, i));
             m.0[k][i] = w * mass;
             px.0[k][i] = w * mvx;
             py.0[k][i] = w * mvy;
@@ -327,8 +332,9 @@ impl<S: Shape<N>, const N: usize> Kernel for Strain<'_, S, N> {
         for g in 0..body.groups.len() {
             set_uniform(&mut s.block, &body.groups[g]);
             for range in chunks(body.groups[g].range.clone()) {
-                place::<S, N>(s, body, nodes, &range);
+                // first, so that what it writes is in the cache when it is read
                 spread(s.runs.of(block), &mut s.nodal, [vx, vy]);
+                place::<S, N>(s, body, nodes, &range);
                 block += 1;
                 gradient(s, dt);
                 if S::DOMAIN {
@@ -387,7 +393,7 @@ fn gradient<const N: usize>(s: &mut Scratch<N>, dt: f64) {
     for i in 0..LANES {
         let mut du = [0.0; 4];
         for k in 0..N {
-            let (gx, gy) = (s.stencil.grad[0][k][i], s.stencil.grad[1][k][i]);
+            let [gx, gy] = s.stencil.grad(k, i);
             du[0] += vx.0[k][i] * gx;
             du[1] += vx.0[k][i] * gy;
             du[2] += vy.0[k][i] * gx;
@@ -421,10 +427,13 @@ fn store_point_state(block: &Block, body: &mut Body, range: &Range<usize>) {
 /// Sum of a_i b_i over the first `len` lanes, in four running sums: a fixed order.
 #[inline(always)]
 fn dot(a: &Lane, b: &Lane, len: usize) -> f64 {
+    let mut terms: Lane = std::array::from_fn(|i| a[i] * b[i]);
+    terms[len.min(LANES)..].fill(0.0);
     let mut sums = [0.0; 4];
-    for i in 0..LANES {
-        let term = if i < len { a[i] * b[i] } else { 0.0 };
-        sums[i % 4] += term;
+    for four in terms.chunks_exact(4) {
+        for (sum, term) in sums.iter_mut().zip(four) {
+            *sum += term;
+        }
     }
     (sums[0] + sums[1]) + (sums[2] + sums[3])
 }

@@ -30,7 +30,7 @@ fn weights<S: Shape<N>, const N: usize>(sim: &Simulation, grid: &Grid) -> Vec<Ve
         let mut s = Box::<Stencil<N>>::default();
         S::fill(grid, &[x[0][i]; LANES], &[x[1][i]; LANES], &[[0.0; LANES]; 2], &mut s);
         let nodes = S::offsets(grid.row()).map(|o| (s.base[0] + o) as usize);
-        (0..N).map(|k| (nodes[k], s.weight[k][0])).collect()
+        (0..N).map(|k| (nodes[k], s.weight(k, 0))).collect()
     };
     (0..sim.body.len()).map(of).collect()
 }

@@ -74,7 +74,7 @@ pub fn fit<S: Shape<N>, const N: usize>(stencil: &Stencil<N>, velocity: [&Spread
         for i in 0..LANES {
             let (mut w, mut p) = ([0.0; WIDEST], [[0.0; WIDEST]; 2]);
             for k in 0..N {
-                let (a, weight) = (place::<S, N>(k, along), stencil.weight[k][i]);
+                let (a, weight) = (place::<S, N>(k, along), stencil.weight(k, i));
                 w[a] += weight;
                 p[0][a] += weight * velocity[0].0[k][i];
                 p[1][a] += weight * velocity[1].0[k][i];
@@ -110,13 +110,13 @@ pub fn add<S: Shape<N>, const N: usize>(
     for i in 0..LANES {
         let mut at = [0.0; 2];
         for k in 0..N {
-            let weight = stencil.weight[k][i];
+            let weight = stencil.weight(k, i);
             at[0] += weight * place::<S, N>(k, 0) as f64;
             at[1] += weight * place::<S, N>(k, 1) as f64;
         }
         let scale = h * mass[i];
         for k in 0..N {
-            let share = scale * stencil.weight[k][i];
+            let share = scale * stencil.weight(k, i);
             let (dx, dy) = (place::<S, N>(k, 0) as f64 - at[0], place::<S, N>(k, 1) as f64 - at[1]);
             px.0[k][i] += share * (c[0][i] * dx + c[1][i] * dy);
             py.0[k][i] += share * (c[2][i] * dx + c[3][i] * dy);
@@ -148,9 +148,8 @@ impl<S: Shape<N>, const N: usize> Kernel for Spin<'_, S, N> {
             add::<S, N>([px, py], &kept.stencils[block], &s.mass.0, &committed(body, &range), h);
             for run in s.runs.of(block) {
                 let slots = run.slots.map(|s| s as usize);
-                let [x, y] = collect(&s.shares[..2], run);
-                deposit(&mut out[0], &slots, x);
-                deposit(&mut out[1], &slots, y);
+                let [x, y] = &mut *out;
+                deposit([x, y], &slots, collect(&s.shares[..2], run));
             }
         }
     }
@@ -198,7 +197,7 @@ mod tests {
                 for (k, offset) in S::offsets(grid.row()).into_iter().enumerate() {
                     let node = grid.node_position(s.base[i] + offset);
                     let exact =
-                        2.0 * s.weight[k][i] * (GRADIENT[2] * (node[0] - x[i]) + GRADIENT[3] * (node[1] - y[i]));
+                        2.0 * s.weight(k, i) * (GRADIENT[2] * (node[0] - x[i]) + GRADIENT[3] * (node[1] - y[i]));
                     assert!((py.0[k][i] - exact).abs() < 1e-9, "{}", S::NAME);
                 }
             }
@@ -227,7 +226,7 @@ mod tests {
         let c = fit::<Linear, 4>(&s, [&v[0], &v[1]], grid.h);
         for i in 0..LANES {
             for (row, axis) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-                let gradient: f64 = (0..4).map(|k| v[row].0[k][i] * s.grad[axis][k][i]).sum();
+                let gradient: f64 = (0..4).map(|k| v[row].0[k][i] * s.grad(k, i)[axis]).sum();
                 assert!((c[2 * row + axis][i] - gradient).abs() < 1e-13);
             }
         }

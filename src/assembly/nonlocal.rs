@@ -87,7 +87,7 @@ fn map_variance<S: Shape<N>, const N: usize>(half: f64) -> f64 {
     let offsets = S::offsets(grid.row());
     let of_point = |i: usize| -> f64 {
         let square = |k: usize| (grid.node_position(s.base[i] + offsets[k])[0] - x[i]).powi(2);
-        (0..N).map(|k| s.weight[k][i] * square(k)).sum()
+        (0..N).map(|k| s.weight(k, i) * square(k)).sum()
     };
     (0..LANES).map(of_point).sum::<f64>() / LANES as f64
 }
@@ -173,8 +173,8 @@ fn gather<S: Shape<N>, const N: usize>(
             let ve = v * body.committed.history[PLASTIC][i];
             for k in 0..N {
                 let node = (stencil.base[lane] + offsets[k]) as usize;
-                volume[node] += stencil.weight[k][lane] * v;
-                strain[node] += stencil.weight[k][lane] * ve;
+                volume[node] += stencil.weight(k, lane) * v;
+                strain[node] += stencil.weight(k, lane) * ve;
             }
         }
     }
@@ -197,7 +197,7 @@ fn give<S: Shape<N>, const N: usize>(
         let stencil = stencil_of::<S, N>(s, body, nodes, kept, first + block, &range);
         for (lane, i) in range.enumerate() {
             let around: f64 =
-                (0..N).map(|k| stencil.weight[k][lane] * mean[(stencil.base[lane] + offsets[k]) as usize]).sum();
+                (0..N).map(|k| stencil.weight(k, lane) * mean[(stencil.base[lane] + offsets[k]) as usize]).sum();
             let own = body.committed.history[PLASTIC][i];
             body.committed.history[SOFTENING][i] = ((1.0 - m) * own + m * around).max(0.0);
         }

@@ -151,15 +151,14 @@ impl<Q: Fn(usize, usize) -> f64, const N: usize> Kernel for Map<'_, Q, N> {
                 for (lane, i) in range.clone().enumerate() {
                     let q = quantity(i, axis);
                     for k in 0..N {
-                        s.shares[axis].0[k][lane] = stencil.weight[k][lane] * q;
+                        s.shares[axis].0[k][lane] = stencil.weight(k, lane) * q;
                     }
                 }
             }
             for run in s.runs.of(block) {
                 let slots = run.slots.map(|s| s as usize);
-                let [x, y] = collect(&s.shares[..2], run);
-                deposit(&mut out[0], &slots, x);
-                deposit(&mut out[1], &slots, y);
+                let [x, y] = &mut *out;
+                deposit([x, y], &slots, collect(&s.shares[..2], run));
             }
         }
     }
@@ -261,7 +260,7 @@ pub(super) fn strain<const N: usize>(s: &mut Scratch<N>, stencil: &Stencil<N>, s
     for i in 0..LANES {
         let mut du = [0.0; 4];
         for k in 0..N {
-            let (gx, gy) = (stencil.grad[0][k][i], stencil.grad[1][k][i]);
+            let [gx, gy] = stencil.grad(k, i);
             du[0] += ux.0[k][i] * gx;
             du[1] += ux.0[k][i] * gy;
             du[2] += uy.0[k][i] * gx;
@@ -319,7 +318,7 @@ fn force<const N: usize>(s: &mut Scratch<N>, stencil: &Stencil<N>, p: &Nominal, 
     let [fx, fy, ..] = &mut s.shares;
     for i in 0..LANES {
         for k in 0..N {
-            let (gx, gy) = (stencil.grad[0][k][i], stencil.grad[1][k][i]);
+            let [gx, gy] = stencil.grad(k, i);
             fx.0[k][i] = p[0][i] * gx + p[1][i] * gy;
             fy.0[k][i] = p[2][i] * gx + p[3][i] * gy;
         }
@@ -331,9 +330,8 @@ fn force<const N: usize>(s: &mut Scratch<N>, stencil: &Stencil<N>, p: &Nominal, 
 fn scatter<const N: usize>(runs: &BodyRuns<N>, shares: &[Patch<N>], system: &mut System, block: usize) {
     for run in runs.of(block) {
         let slots = run.slots.map(|s| s as usize);
-        let [fx, fy] = collect(&shares[..2], run);
-        deposit(&mut system.residual[0], &slots, fx);
-        deposit(&mut system.residual[1], &slots, fy);
+        let [x, y] = &mut system.residual;
+        deposit([x, y], &slots, collect(&shares[..2], run));
     }
 }
 
@@ -379,7 +377,7 @@ type RunStiffness<const N: usize> = [[[[f64; N]; 2]; 2]; N];
 fn of_run<const N: usize>(stencil: &Stencil<N>, stiffness: &[[Lane; 4]; 4], run: &RunPatch<N>) -> RunStiffness<N> {
     let mut sum = [[[[0.0; N]; 2]; 2]; N];
     for p in run.start as usize..(run.end as usize).min(LANES) {
-        let g: [[f64; N]; 2] = [0, 1].map(|axis| std::array::from_fn(|k| stencil.grad[axis][k][p]));
+        let g: [[f64; N]; 2] = [0, 1].map(|axis| std::array::from_fn(|k| stencil.grad(k, p)[axis]));
         // h[a A][c] = sum_B A_aA,cB dN_j/dX_B, for all nodes j
         let mut h = [[[0.0; N]; 2]; 4];
         for (row, from) in h.iter_mut().zip(stiffness) {

@@ -318,7 +318,7 @@ fn gather<const N: usize>(
     row[0] -= mean;
     row[3] -= mean;
     for k in 0..N {
-        let (gx, gy) = (stencil.grad[0][k][lane], stencil.grad[1][k][lane]);
+        let [gx, gy] = stencil.grad(k, lane);
         let g = [gx * inverse[0][0] + gy * inverse[1][0], gx * inverse[0][1] + gy * inverse[1][1]];
         let place = cell.enter(slots[k]);
         for axis in 0..2 {

@@ -46,11 +46,8 @@ impl Shape<9> for BSpline {
             let (first_x, wx, gx) = line((x[i] - grid.origin[0]) * ih, end_x);
             let (first_y, wy, gy) = line((y[i] - grid.origin[1]) * ih, end_y);
             s.base[i] = first_y.wrapping_mul(row).wrapping_add(first_x);
-            for k in 0..9 {
-                s.weight[k][i] = wx[k % 3] * wy[k / 3];
-                s.grad[0][k][i] = ih * gx[k % 3] * wy[k / 3];
-                s.grad[1][k][i] = ih * wx[k % 3] * gy[k / 3];
-            }
+            s.set(0, i, wx, gx.map(|g| ih * g));
+            s.set(1, i, wy, gy.map(|g| ih * g));
         }
     }
 
@@ -116,8 +113,8 @@ mod tests {
             let gimp = contract::filled::<Gimp, 9>(&grid, &x, &y, &[[0.5 * grid.h; LANES]; 2]);
             assert_eq!(spline.base, gimp.base);
             for (k, i) in (0..9).flat_map(|k| (0..LANES).map(move |i| (k, i))) {
-                assert!((spline.weight[k][i] - gimp.weight[k][i]).abs() < 2.0 * EDGE);
-                let gap = |axis: usize| (spline.grad[axis][k][i] - gimp.grad[axis][k][i]).abs();
+                assert!((spline.weight(k, i) - gimp.weight(k, i)).abs() < 2.0 * EDGE);
+                let gap = |axis: usize| (spline.grad(k, i)[axis] - gimp.grad(k, i)[axis]).abs();
                 assert!(gap(0).max(gap(1)) < 4.0 * EDGE / grid.h, "{} {}", x[i], y[i]);
             }
         }
@@ -165,6 +162,6 @@ mod tests {
         let grid = Grid { origin: [100.0, -5.0], h: 0.5, cells: [4, 4] };
         let x: Lane = std::array::from_fn(|i| [0.0, 1e300, -1e300, f64::NAN][i % 4]);
         let s = contract::filled::<BSpline, 9>(&grid, &x, &x, &[[0.0; LANES]; 2]);
-        assert!(s.weight.iter().chain(&s.grad[0]).chain(&s.grad[1]).flatten().all(|v| v.is_finite()));
+        assert!(contract::finite(&s));
     }
 }

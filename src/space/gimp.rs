@@ -84,13 +84,6 @@ impl Shape<16> for GimpWide {
     }
 }
 
-/// Weights and gradients (1/h) along one axis, and the first node: `M` nodes a patch.
-struct Line<const M: usize> {
-    weight: [Lane; M],
-    slope: [Lane; M],
-    first: [u32; LANES],
-}
-
 /// Fills a stencil of `M` x `M` nodes whose first one is the node nearest to g - `shift`, less 1.
 #[inline(always)]
 fn fill<S: Shape<N>, const N: usize, const M: usize>(
@@ -100,44 +93,38 @@ fn fill<S: Shape<N>, const N: usize, const M: usize>(
     s: &mut Stencil<N>,
     shift: f64,
 ) {
-    let ih = 1.0 / grid.h;
-    let line =
-        |axis: usize| line::<M>(place[axis], &half[axis], grid.origin[axis], ih, grid.cells[axis], S::LONGEST, shift);
-    let (x, y) = (line(0), line(1));
+    let x = line::<S, N, M>(grid, 0, place[0], &half[0], s, shift);
+    let y = line::<S, N, M>(grid, 1, place[1], &half[1], s, shift);
     let row = grid.row();
     for i in 0..LANES {
-        s.base[i] = y.first[i].wrapping_mul(row).wrapping_add(x.first[i]);
-    }
-    for k in 0..N {
-        let (wx, wy) = (&x.weight[k % M], &y.weight[k / M]);
-        let (gx, gy) = (&x.slope[k % M], &y.slope[k / M]);
-        for i in 0..LANES {
-            s.weight[k][i] = wx[i] * wy[i];
-            s.grad[0][k][i] = gx[i] * wy[i];
-            s.grad[1][k][i] = wx[i] * gy[i];
-        }
+        s.base[i] = y[i].wrapping_mul(row).wrapping_add(x[i]);
     }
 }
 
+/// Sets the factors along an axis; returns the first node of each patch along it.
 #[inline(always)]
-fn line<const M: usize>(x: &Lane, half: &Lane, origin: f64, ih: f64, cells: u32, longest: f64, shift: f64) -> Line<M> {
-    let mut line = Line { weight: [[0.0; LANES]; M], slope: [[0.0; LANES]; M], first: [0; LANES] };
-    let end = f64::from(cells);
+fn line<S: Shape<N>, const N: usize, const M: usize>(
+    grid: &Grid,
+    axis: usize,
+    x: &Lane,
+    half: &Lane,
+    s: &mut Stencil<N>,
+    shift: f64,
+) -> [u32; LANES] {
+    let (origin, ih, end) = (grid.origin[axis], 1.0 / grid.h, f64::from(grid.cells[axis]));
     let last = end - (M as f64 - 1.0);
+    let mut nodes = [0; LANES];
     for i in 0..LANES {
         let g = clamp((x[i] - origin) * ih, 0.0, end);
         let room = if g < end - g { g } else { end - g };
-        let l = clamp(clamp(half[i] * ih, SHORTEST, longest), 0.0, if room > NEAREST { room } else { NEAREST });
+        let l = clamp(clamp(half[i] * ih, SHORTEST, S::LONGEST), 0.0, if room > NEAREST { room } else { NEAREST });
         let first = clamp(((g - shift) + ROUND) - ROUND - 1.0, 0.0, last);
         let (a, b) = (clamp(g - l, 0.0, end) - first, clamp(g + l, 0.0, end) - first);
         let (weight, slope) = average::<M>(a, b);
-        for k in 0..M {
-            line.weight[k][i] = weight[k];
-            line.slope[k][i] = slope[k] * ih;
-        }
-        line.first[i] = (first + ROUND).to_bits() as u32;
+        s.set(axis, i, weight, slope.map(|v| v * ih));
+        nodes[i] = (first + ROUND).to_bits() as u32;
     }
-    line
+    nodes
 }
 
 /// `low` if v is below it or not a number, `high` if it is above.
@@ -252,7 +239,7 @@ mod tests {
         let s = contract::filled::<GimpWide, 16>(&grid, &x, &y, &[[0.8; LANES]; 2]);
         for i in 0..LANES {
             let side = if i < 4 { 0 } else { 3 };
-            let there: f64 = (0..4).map(|row| s.weight[side + 4 * row][i]).sum();
+            let there: f64 = (0..4).map(|row| s.weight(side + 4 * row, i)).sum();
             assert!((1.0 - there - gap[i % 4]).abs() < 2e-10, "{} {there}", x[i]);
         }
     }
@@ -263,7 +250,6 @@ mod tests {
         let x: Lane = std::array::from_fn(|i| [0.0, 1e9, -1e9, 101.0][i % 4]);
         let half = [[f64::NAN; LANES], [1e300; LANES]];
         let s = contract::filled::<Gimp, 9>(&grid, &x, &x, &half);
-        let all = s.weight.iter().chain(&s.grad[0]).chain(&s.grad[1]);
-        assert!(all.flatten().all(|v| v.is_finite()));
+        assert!(contract::finite(&s));
     }
 }

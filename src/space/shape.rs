@@ -78,21 +78,8 @@ impl Shape<4> for Linear {
             let (cx, xi) = split((x[i] - ox) * ih, last_x);
             let (cy, eta) = split((y[i] - oy) * ih, last_y);
             s.base[i] = cy.wrapping_mul(row).wrapping_add(cx);
-            let (xm, ym) = (1.0 - xi, 1.0 - eta);
-            s.weight[0][i] = xm * ym;
-            s.weight[1][i] = xi * ym;
-            s.weight[2][i] = xm * eta;
-            s.weight[3][i] = xi * eta;
-            let (gym, gy) = (ym * ih, eta * ih);
-            s.grad[0][0][i] = -gym;
-            s.grad[0][1][i] = gym;
-            s.grad[0][2][i] = -gy;
-            s.grad[0][3][i] = gy;
-            let (gxm, gx) = (xm * ih, xi * ih);
-            s.grad[1][0][i] = -gxm;
-            s.grad[1][1][i] = -gx;
-            s.grad[1][2][i] = gxm;
-            s.grad[1][3][i] = gx;
+            s.set(0, i, [1.0 - xi, xi], [-ih, ih]);
+            s.set(1, i, [1.0 - eta, eta], [-ih, ih]);
         }
     }
 
@@ -145,16 +132,16 @@ pub(crate) mod contract {
         for i in 0..LANES {
             let nodes = nodes_of::<S, N>(grid, s.base[i]);
             let sum = |f: &dyn Fn(usize) -> f64| -> f64 { (0..N).map(f).sum() };
-            assert!((sum(&|k| s.weight[k][i]) - 1.0).abs() < 1e-14);
+            assert!((sum(&|k| s.weight(k, i)) - 1.0).abs() < 1e-14);
             for k in 0..N {
-                assert!(s.weight[k][i] > 0.0 || (S::BARE_NODES && s.weight[k][i] == 0.0));
-                assert!(s.weight[k][i] > 0.0 || (s.grad[0][k][i] == 0.0 && s.grad[1][k][i] == 0.0));
+                assert!(s.weight(k, i) > 0.0 || (S::BARE_NODES && s.weight(k, i) == 0.0));
+                assert!(s.weight(k, i) > 0.0 || (s.grad(k, i) == [0.0; 2]));
             }
             for (axis, at) in [x[i], y[i]].into_iter().enumerate() {
-                assert!((sum(&|k| s.weight[k][i] * nodes[k][axis]) - at).abs() < 1e-9);
-                assert!(sum(&|k| s.grad[axis][k][i]).abs() < 1e-13);
-                assert!((sum(&|k| s.grad[axis][k][i] * nodes[k][axis]) - 1.0).abs() < 1e-12);
-                assert!(sum(&|k| s.grad[axis][k][i] * nodes[k][1 - axis]).abs() < 1e-12);
+                assert!((sum(&|k| s.weight(k, i) * nodes[k][axis]) - at).abs() < 1e-9);
+                assert!(sum(&|k| s.grad(k, i)[axis]).abs() < 1e-13);
+                assert!((sum(&|k| s.grad(k, i)[axis] * nodes[k][axis]) - 1.0).abs() < 1e-12);
+                assert!(sum(&|k| s.grad(k, i)[axis] * nodes[k][1 - axis]).abs() < 1e-12);
             }
         }
     }
@@ -173,9 +160,9 @@ pub(crate) mod contract {
                     continue;
                 }
                 for k in 0..N {
-                    let fd = (pair[0].weight[k][i] - pair[1].weight[k][i]) / (2.0 * eps);
+                    let fd = (pair[0].weight(k, i) - pair[1].weight(k, i)) / (2.0 * eps);
                     // where an end of the domain crosses a node, its gradient has a kink: eps / (2 lp h)
-                    assert!((fd - s.grad[axis][k][i]).abs() < 4e-4, "{} {fd} {}", S::NAME, s.grad[axis][k][i]);
+                    assert!((fd - s.grad(k, i)[axis]).abs() < 4e-4, "{} {fd} {}", S::NAME, s.grad(k, i)[axis]);
                 }
             }
         }
@@ -204,6 +191,12 @@ pub(crate) mod contract {
         })
     }
 
+    /// Whether all weights and gradients are numbers.
+    pub fn finite<const N: usize>(s: &Stencil<N>) -> bool {
+        let sound = |k, i| s.weight(k, i).is_finite() && s.grad(k, i).iter().all(|g| g.is_finite());
+        (0..N).all(|k| (0..LANES).all(|i| sound(k, i)))
+    }
+
     /// The stencil of a block.
     pub fn filled<S: Shape<N>, const N: usize>(grid: &Grid, x: &Lane, y: &Lane, half: &[Lane; 2]) -> Box<Stencil<N>> {
         let mut s = Box::<Stencil<N>>::default();
@@ -228,7 +221,7 @@ mod tests {
         let y = [0.5; LANES];
         let s = contract::filled::<Linear, 4>(&grid, &x, &y, &[[0.0; LANES]; 2]);
         for i in 0..LANES {
-            assert!(s.weight.iter().all(|w| w[i] > 0.0));
+            assert!((0..4).all(|k| s.weight(k, i) > 0.0));
             assert!((s.base[i] + grid.row() + 1) < grid.nodes() as u32);
         }
     }

@@ -514,12 +514,12 @@ impl NodeBalance {
         let mut length = [0.0; N];
         let mut sum = 0.0;
         for k in 0..N {
-            let (gx, gy) = (stencil.grad[0][k][lane], stencil.grad[1][k][lane]);
+            let [gx, gy] = stencil.grad(k, lane);
             length[k] = (gx * gx + gy * gy).sqrt();
             sum += length[k];
         }
         for k in 0..N {
-            let w = stencil.weight[k][lane];
+            let w = stencil.weight(k, lane);
             self.stiffness[slots[k]] += stiffness * length[k] * if rows { sum } else { length[k] };
             self.squares[slots[k]] += w * w * mass;
             self.mass[slots[k]] += w * mass;

@@ -65,14 +65,13 @@ fn deposit_block<const N: usize>(s: &mut Scratch<N>, nodes: &mut Nodes, block: u
     let [fx, fy, ..] = &mut s.shares;
     for k in 0..N {
         for i in 0..LANES {
-            fx.0[k][i] = s.stencil.weight[k][i] * s.v.0[0][i];
-            fy.0[k][i] = s.stencil.weight[k][i] * s.v.0[1][i];
+            fx.0[k][i] = s.stencil.weight(k, i) * s.v.0[0][i];
+            fy.0[k][i] = s.stencil.weight(k, i) * s.v.0[1][i];
         }
     }
     for run in s.runs.of(block) {
         let slots = run.slots.map(|s| s as usize);
-        let [fx, fy] = collect(&s.shares[..2], run);
-        deposit(&mut nodes.force[0], &slots, fx);
-        deposit(&mut nodes.force[1], &slots, fy);
+        let [x, y] = &mut nodes.force;
+        deposit([x, y], &slots, collect(&s.shares[..2], run));
     }
 }

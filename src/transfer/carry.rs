@@ -94,7 +94,7 @@ fn all_finite<const N: usize>(s: &Scratch<N>, len: usize) -> bool {
 #[inline(always)]
 fn interpolate<const N: usize>(nodal: &Spread<N>, stencil: &Stencil<N>, out: &mut Lane) {
     for i in 0..LANES {
-        out[i] = (0..N).map(|k| stencil.weight[k][i] * nodal.0[k][i]).sum();
+        out[i] = (0..N).map(|k| stencil.weight(k, i) * nodal.0[k][i]).sum();
     }
 }
 
@@ -105,7 +105,7 @@ fn carry<R: Rule, const N: usize>(s: &mut Scratch<N>, stencil: &Stencil<N>, axis
     for i in 0..LANES {
         let (mut way, mut grid, mut other) = (0.0, 0.0, 0.0);
         for k in 0..N {
-            let w = stencil.weight[k][i];
+            let w = stencil.weight(k, i);
             way += w * du.0[k][i];
             grid += w * new.0[k][i];
             other += w * second.0[k][i];

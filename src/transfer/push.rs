@@ -40,9 +40,10 @@ impl<S: Shape<N>, R: Rule, const N: usize> Kernel for Ruled<Push<'_, S, N>, R> {
         let mut block = 0;
         for g in 0..body.groups.len() {
             for range in chunks(body.groups[g].range.clone()) {
-                place::<S, N>(s, body, nodes, &range);
                 let ([vx, vy], [ox, oy]) = (&nodes.velocity, rule.second(nodes));
+                // first, so that what it writes is in the cache when it is read
                 spread(s.runs.of(block), &mut s.nodal, [vx, vy, ox, oy]);
+                place::<S, N>(s, body, nodes, &range);
                 for axis in 0..2 {
                     load(&mut s.v.0[axis], &body.committed.v[axis], &range);
                 }
@@ -77,8 +78,8 @@ fn move_points<R: Rule, const N: usize>(s: &mut Scratch<N>, dt: f64, rule: &R) {
         for i in 0..LANES {
             let (mut grid, mut other) = (0.0, 0.0);
             for k in 0..N {
-                grid += s.stencil.weight[k][i] * new.0[k][i];
-                other += s.stencil.weight[k][i] * second.0[k][i];
+                grid += s.stencil.weight(k, i) * new.0[k][i];
+                other += s.stencil.weight(k, i) * second.0[k][i];
             }
             s.v.0[axis][i] = rule.velocity(s.v.0[axis][i], grid, other);
             s.x.0[axis][i] += dt * grid;
@@ -120,8 +121,8 @@ fn shares_of_momentum<S: Shape<N>, const N: usize>(s: &mut Scratch<N>, c: Option
     for i in 0..LANES {
         let (mvx, mvy) = (s.mass.0[i] * s.v.0[0][i], s.mass.0[i] * s.v.0[1][i]);
         for k in 0..N {
-            px.0[k][i] = s.stencil.weight[k][i] * mvx;
-            py.0[k][i] = s.stencil.weight[k][i] * mvy;
+            px.0[k][i] = s.stencil.weight(k, i) * mvx;
+            py.0[k][i] = s.stencil.weight(k, i) * mvy;
         }
     }
     if let Some(c) = c {
@@ -133,8 +134,7 @@ fn shares_of_momentum<S: Shape<N>, const N: usize>(s: &mut Scratch<N>, c: Option
 fn deposit_momentum<const N: usize>(s: &Scratch<N>, nodes: &mut Nodes, block: usize) {
     for run in s.runs.of(block) {
         let slots = run.slots.map(|s| s as usize);
-        let [px, py] = collect(&s.shares[..2], run);
-        deposit(&mut nodes.momentum[0], &slots, px);
-        deposit(&mut nodes.momentum[1], &slots, py);
+        let [x, y] = &mut nodes.momentum;
+        deposit([x, y], &slots, collect(&s.shares[..2], run));
     }
 }

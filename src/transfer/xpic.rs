@@ -136,18 +136,17 @@ impl<S: Shape<N>, const N: usize> Kernel for ThereAndBack<'_, S, N> {
                 for i in 0..LANES {
                     let mut v = 0.0;
                     for k in 0..N {
-                        v += stencil.weight[k][i] * from.0[k][i];
+                        v += stencil.weight(k, i) * from.0[k][i];
                     }
                     for k in 0..N {
-                        to.0[k][i] = stencil.weight[k][i] * (mass.0[i] * v);
+                        to.0[k][i] = stencil.weight(k, i) * (mass.0[i] * v);
                     }
                 }
             }
             for run in s.runs.of(block) {
                 let slots = run.slots.map(|s| s as usize);
-                let [x, y] = collect(&s.shares[..2], run);
-                deposit(&mut momentum[0], &slots, x);
-                deposit(&mut momentum[1], &slots, y);
+                let [x, y] = &mut *momentum;
+                deposit([x, y], &slots, collect(&s.shares[..2], run));
             }
         }
     }
