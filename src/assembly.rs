@@ -345,7 +345,7 @@ impl<S: Shape<N>, const N: usize> Kernel for Strain<'_, S, N> {
                     cells.level_strain(&nodes.grid, &s.x.0, law, &mut s.block, range.len());
                 }
                 load_point_state(&mut s.block, &body.groups[g], body, &range);
-                if let Err(fault) = body.groups[g].law.update(&mut s.block) {
+                if let Err(fault) = body.groups[g].law.advance(&mut s.block) {
                     return Err(body.blame(fault, range.start));
                 }
                 store_point_state(&s.block, body, &range);

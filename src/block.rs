@@ -118,6 +118,9 @@ pub trait Law: Send + Sync {
     /// Trial strain, return mapping, Cauchy stress. A fault names the lane in `point`.
     fn update(&self, block: &mut Block) -> Result<(), Fault>;
 
+    /// As [`Law::update`], for who does not read the stress: `block.stress` is left as it is.
+    fn advance(&self, block: &mut Block) -> Result<(), Fault>;
+
     /// d(J sigma) / d l at the step in the block, consistent with [`Law::update`]. Returns whether
     /// the tangent that follows is symmetric.
     fn linearise(&self, block: &Block, out: &mut Moduli3) -> bool;
@@ -172,17 +175,21 @@ impl<M: Material, K: Kinematics> PointLaw<M, K> {
         M::State::read(|k| block.state[k][i])
     }
 
-    /// One point: return, stress, all into the block's trial columns.
+    /// One point: return, and stress if wanted, all into the block's trial columns.
     #[inline(always)]
-    fn point(&self, b: &mut Block, i: usize, trial: Trial) {
+    fn point<const STRESS: bool>(&self, b: &mut Block, i: usize, trial: Trial) {
         let j = b.jacobian[i] * trial.jacobian;
         let (p, s) = (Self::param(b, i), Self::state(b, i));
         let u = self.material.update(&p, &s, trial.strain, K::strength_factor(self.measure, j));
-        let cauchy = u.stress * K::cauchy_factor(j);
-        let sum = cauchy.xx + cauchy.yy + cauchy.zz + cauchy.xy;
+        // a stress that is no number comes of a strain that is none, or of a flow that is none
+        let mut sum = u.strain.xx + u.strain.yy + u.strain.zz + u.strain.xy + u.dissipation + j;
+        if STRESS {
+            let cauchy = u.stress * K::cauchy_factor(j);
+            sum = cauchy.xx + cauchy.yy + cauchy.zz + cauchy.xy;
+            b.set_stress(i, cauchy);
+        }
         let sound = trial.inside & (trial.jacobian > 0.0) & (sum.abs() < f64::MAX);
         b.sound[i] = if sound { 1.0 } else { 0.0 };
-        b.set_stress(i, cauchy);
         b.set_trial_strain(i, u.strain);
         b.dissipation[i] = u.dissipation * K::energy_volume(j);
         u.state.write(|k, v| b.trial_state[k][i] = v);
@@ -198,7 +205,7 @@ impl<M: Material, K: Kinematics> PointLaw<M, K> {
         if trial.jacobian <= 0.0 {
             return Err(Fault::new(FaultKind::Inverted).with("det_f", trial.jacobian).at(i as u32, [f64::NAN; 2]));
         }
-        self.point(b, i, trial);
+        self.point::<true>(b, i, trial);
         if b.sound[i] > 0.0 {
             return Ok(());
         }
@@ -212,12 +219,12 @@ impl<M: Material, K: Kinematics> PointLaw<M, K> {
     }
 }
 
-struct UpdateKernel<'a, M, K> {
+struct UpdateKernel<'a, M, K, const STRESS: bool> {
     law: &'a PointLaw<M, K>,
     block: &'a mut Block,
 }
 
-impl<M: Material, K: Kinematics> Kernel for UpdateKernel<'_, M, K> {
+impl<M: Material, K: Kinematics, const STRESS: bool> Kernel for UpdateKernel<'_, M, K, STRESS> {
     type Output = Result<(), Fault>;
 
     #[inline(always)]
@@ -233,7 +240,11 @@ impl<M: Material, K: Kinematics> Kernel for UpdateKernel<'_, M, K> {
             inside[i] = if trial.inside { 1.0 } else { 0.0 };
         }
         for i in 0..LANES {
-            law.point(b, i, Trial { strain: b.trial_strain(i), jacobian: volume[i], inside: inside[i] > 0.0 });
+            law.point::<STRESS>(
+                b,
+                i,
+                Trial { strain: b.trial_strain(i), jacobian: volume[i], inside: inside[i] > 0.0 },
+            );
         }
         let sound: f64 = b.sound[..b.len].iter().fold(1.0, |a, &v| if v < a { v } else { a });
         if sound > 0.0 {
@@ -329,7 +340,11 @@ impl<M: Material, K: Kinematics> Law for PointLaw<M, K> {
     }
 
     fn update(&self, block: &mut Block) -> Result<(), Fault> {
-        self.path.run(UpdateKernel { law: self, block })
+        self.path.run(UpdateKernel::<_, _, true> { law: self, block })
+    }
+
+    fn advance(&self, block: &mut Block) -> Result<(), Fault> {
+        self.path.run(UpdateKernel::<_, _, false> { law: self, block })
     }
 
     fn linearise(&self, block: &Block, out: &mut Moduli3) -> bool {
