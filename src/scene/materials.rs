@@ -53,10 +53,12 @@ pub fn columns(case: &Case, points: &[case::Material], first: usize) -> Result<V
     match points.first() {
         None => Ok(Vec::new()),
         Some(case::Material::Elastic { .. }) => Ok(gather(points.iter().map(|m| elasticity(m.elastic())))),
-        Some(case::Material::VonMises { .. }) => {
+        Some(case::Material::VonMises { strength: of_first, .. }) => {
+            // no field scales a length, so that all points share the factor
+            let slope = softening::factor(case, of_first);
             let factors = jitter(case, first, points.len());
             let points = points.iter().zip(factors);
-            let params: Result<Vec<_>, _> = points.filter_map(|(m, f)| strength(case, m, f)).collect();
+            let params: Result<Vec<_>, _> = points.filter_map(|(m, f)| strength(case, m, f, slope)).collect();
             Ok(gather(params?.into_iter()))
         }
     }
@@ -66,13 +68,14 @@ fn elasticity(e: &case::Elastic) -> Elasticity {
     Elasticity::from_young(e.young_modulus, e.poisson_ratio)
 }
 
-fn strength(case: &Case, material: &case::Material, factor: f64) -> Option<Result<Strength, SceneError>> {
+/// Strength of a point, `factor` times that of its material and with `slope` times its softening.
+fn strength(case: &Case, material: &case::Material, factor: f64, slope: f64) -> Option<Result<Strength, SceneError>> {
     let case::Material::VonMises { elastic, strength: s } = material else { return None };
     let params = Strength {
         elasticity: elasticity(elastic),
         cohesion: factor * s.cohesion,
         residual_cohesion: factor * s.residual_cohesion,
-        softening_modulus: softening::factor(case, s) * s.softening_modulus,
+        softening_modulus: slope * s.softening_modulus,
         yield_constant: s.yield_constant,
     };
     Some(softening::check(case, s, &params).map(|()| params))
