@@ -8,7 +8,7 @@
 //!
 //! `cargo bench --bench speed` runs all; `-- --profile LAW POINTS STEPS SHAPE` takes bare steps of
 //! the solver (`hencky` or `rate`, `coarse` or `fine`) for a profiler, `-- --quick` halves the work.
-//! A second table has the shape functions with domains against the bilinear ones.
+//! A second table has the wider shape functions against the bilinear ones.
 
 mod common;
 mod scalar;
@@ -41,13 +41,13 @@ fn all(pairs: usize) {
         "shape", "points", "rate", "linear", "median (range)", "bytes/point"
     );
     for size in [COARSE, DENSE] {
-        for shape in ["gimp", "gimp_wide"] {
+        for shape in ["bspline", "gimp", "gimp_wide"] {
             compare_shape(shape, size, pairs);
         }
     }
 }
 
-/// Shape functions with domains against the bilinear ones, with the Hencky law, in turns.
+/// Wider shape functions against the bilinear ones, with the Hencky law, in turns.
 fn compare_shape(shape: &str, size: Size, pairs: usize) {
     let mut sims = [shape, "linear"].map(|s| solver("hencky", s, size));
     let points = sims[0].body.len();

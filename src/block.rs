@@ -165,6 +165,11 @@ impl<M: Material, K: Kinematics> PointLaw<M, K> {
         PointLaw { material, kinematics: std::marker::PhantomData, measure, path: FpPath::best() }
     }
 
+    /// The law on another path.
+    pub fn on(self, path: FpPath) -> Self {
+        PointLaw { path, ..self }
+    }
+
     #[inline(always)]
     fn param(block: &Block, i: usize) -> M::Param {
         M::Param::read(|k| block.param[k][i])
