@@ -1,9 +1,11 @@
 //! Sparse solvers on the stiffness of slabs, one thread: minimum degree against nested dissection,
 //! LU against GMRES.
 //!
-//! `cargo bench --bench solver`; `-- --full` adds the slab of 129,600 cells.
+//! `cargo bench --bench solver`; `-- --full` adds the slab of 129,600 cells. `-- --peer FOLDER` takes turns with
+//! another program (`peers`).
 
 mod common;
+mod peers;
 mod slab;
 
 use common::Clock;
@@ -25,7 +27,11 @@ const SIZES: [([u32; 2], usize, [f64; 4]); 4] = [
 const TARGETS: [f64; 2] = [1.5, 10.0];
 
 fn main() {
-    let full = std::env::args().any(|a| a == "--full");
+    let args: Vec<String> = std::env::args().collect();
+    if let Some(at) = args.iter().position(|a| a == "--peer") {
+        return peers::serve(args.get(at + 1).expect("a folder for the matrices").as_ref());
+    }
+    let full = args.iter().any(|a| a == "--full");
     let sizes = if full { &SIZES[..] } else { &SIZES[..3] };
     println!("milliseconds of {}, best of the repeats; reference figures in brackets", Clock::start().name());
     symmetric(sizes);
