@@ -70,3 +70,12 @@ fn levels_are_those_of_the_case_and_false_is_off() {
     let strict = outcome(BAR, &["guard.warning=1e-4"]);
     assert!(strict.fault.is_none() && strict.drift.is_some());
 }
+
+/// A tenth of the steps between two looks of a long run.
+#[test]
+fn short_runs_are_watched_too() {
+    let keys = ["explicit.courant=1", "end.time=0.5", "guard.warning=0.001"];
+    let o = outcome(include_str!("../cases/vibrating-bar.toml"), &keys);
+    let [first, worst] = o.drift.expect("the bar drifts by several per cent at this step");
+    assert!(first.step < 16 && worst.step < 256, "{first:?} {worst:?}");
+}

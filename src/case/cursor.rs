@@ -116,12 +116,12 @@ impl<'a> Cursor<'a> {
     }
 
     fn wrong_word(&self, text: &str, words: &[&'static str]) {
-        if let Some(problem) = not_modelled::problem(text) {
+        let help = suggest::did_you_mean(text, words.iter().copied());
+        if let Some(problem) = not_modelled::problem(text).filter(|_| help.is_none()) {
             return self.error(problem);
         }
         let message = format!("`{}` cannot be \"{text}\"", self.path);
         let label = format!("must be {}", suggest::list(words.iter().copied()));
-        let help = suggest::did_you_mean(text, words.iter().copied());
         self.error(Problem::new(message, label).help_if(help));
     }
 

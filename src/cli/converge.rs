@@ -78,7 +78,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         variants: args.ladders.variants(),
         ladders,
         quantities: args.quantity.clone(),
-        draws: draws(args, &case),
+        draws: draws(args, &case).map_err(Failure::Input)?,
         max_memory: args.case.max_memory,
         threads: args.jobs.unwrap_or(0),
         limits: Limits { interrupt: Some(interrupt::flag()), time_limit: None },
@@ -96,14 +96,15 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if failed > 0 { Err(Failure::Partly(format!("{failed} runs failed"))) } else { Ok(()) }
 }
 
-fn draws(args: &Args, case: &Case) -> Draws {
+fn draws(args: &Args, case: &Case) -> Result<Draws, String> {
     if let Some(runs) = args.realisations {
-        return Draws::Realisations { runs: runs as usize };
+        return Ok(Draws::Realisations { runs: runs as usize });
     }
     let has_strength = case.material.values().any(Material::yields);
     match args.runs.unwrap_or(if has_strength { RUNS } else { 1 }) {
-        1 => Draws::Single,
-        runs => Draws::Jittered { runs: runs as usize, jitter: args.jitter },
+        1 => Ok(Draws::Single),
+        _ if !has_strength => Err("--runs: no soil of the case has a strength to jitter; leave it out".to_owned()),
+        runs => Ok(Draws::Jittered { runs: runs as usize, jitter: args.jitter }),
     }
 }
 

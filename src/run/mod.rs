@@ -42,6 +42,18 @@ pub enum Status {
     ResourceCap,
 }
 
+impl Status {
+    /// Whether the run came to an end of its own: neither failed nor cut short.
+    pub fn is_sound(self) -> bool {
+        matches!(self, Status::AtRest | Status::EndTime | Status::SlopeFailed)
+    }
+
+    /// Whether something from outside ended it.
+    pub fn is_cut_short(self) -> bool {
+        matches!(self, Status::Interrupted | Status::ResourceCap)
+    }
+}
+
 /// The end of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
@@ -126,9 +138,15 @@ impl Limits<'_> {
 /// step takes long enough to look after each.
 const LOOK: u64 = 16;
 
-/// Explicit steps between two looks at the energies, which take a walk over the points; an instability that doubles in
-/// ten steps is still told before its numbers overflow.
+/// Most explicit steps between two looks at the energies, which take a walk over the points; an instability that doubles
+/// in ten steps is still told before its numbers overflow.
 const GUARD: u64 = 256;
+
+/// Whether the energies are looked at after this explicit step: from each of the first 16 to each 256th from 4096 on, so
+/// that short runs are watched as closely as long ones.
+fn is_watched(step: u64) -> bool {
+    step.is_multiple_of((step / 16).max(1).next_power_of_two().min(GUARD))
+}
 
 struct Loop<'a> {
     case: &'a Case,
@@ -148,7 +166,7 @@ pub fn run(case: &Case, scene: &mut Scene, limits: Limits, observer: &mut dyn Ob
     let started = Instant::now();
     let mut state = Loop::new(case, scene);
     let explicit = case.solver.scheme == case::Scheme::Explicit;
-    let [look, watch] = if explicit { [LOOK, GUARD] } else { [1, 1] };
+    let look = if explicit { LOOK } else { 1 };
     let sim = &mut scene.simulation;
     state.look(sim, observer, true)?;
     let (status, fault) = loop {
@@ -174,7 +192,7 @@ pub fn run(case: &Case, scene: &mut Scene, limits: Limits, observer: &mut dyn Ob
         }
         state.note_step(sim, observer)?;
         state.look(sim, observer, false)?;
-        if sim.work.steps.is_multiple_of(watch)
+        if (!explicit || is_watched(sim.work.steps))
             && let Err(fault) = state.guard.look(sim)
         {
             break (Status::Failed, Some(fault));

@@ -56,6 +56,10 @@ pub fn list(case: &Case, simulation: &Simulation) -> Vec<EffectNote> {
         note("f_bar", false, "the cure for volumetric locking is solver.locking = \"b_bar\"".into(), 0.0),
         b_bar(case),
         ghost_penalty(case),
+        shape(case),
+        transfer(case, node),
+        guard(case),
+        probe(case),
     ]
 }
 
@@ -82,6 +86,41 @@ fn b_bar(case: &Case) -> EffectNote {
         case::Locking::BBar => {
             note("b_bar", true, "solver.locking = \"b_bar\": mean dilatation over each cell".into(), 32.0)
         }
+    }
+}
+
+/// Half-lengths and stretches of the domains are columns of both states.
+fn shape(case: &Case) -> EffectNote {
+    let shape = case.solver.shape;
+    let bytes = if matches!(shape, case::ShapeFunctions::Gimp | case::ShapeFunctions::GimpWide) { 64.0 } else { 0.0 };
+    let why = format!("solver.shape = \"{}\"", shape.word());
+    note("wider_shape", shape != case::ShapeFunctions::Linear, why, bytes)
+}
+
+fn transfer(case: &Case, node: f64) -> EffectNote {
+    match case.solver.transfer {
+        case::Transfer::Flip => note("transfer", false, "solver.transfer = \"flip\": velocities alone".into(), 0.0),
+        case::Transfer::Apic => {
+            note("transfer", true, "solver.transfer = \"apic\": points carry a velocity gradient".into(), 64.0)
+        }
+        case::Transfer::Xpic { xpic_order } => {
+            let why = format!("solver.transfer = \"xpic\": {} maps more a step", xpic_order - 1);
+            note("transfer", xpic_order > 1, why, 32.0 * node * f64::from(xpic_order - 1))
+        }
+    }
+}
+
+fn guard(case: &Case) -> EffectNote {
+    let level = |level: Option<f64>| level.map_or("false".to_owned(), |v| v.to_string());
+    let g = &case.guard;
+    let why = format!("guard.warning = {}, guard.fault = {}", level(g.warning), level(g.fault));
+    note("guard", g.warning.or(g.fault).is_some(), why, 0.0)
+}
+
+fn probe(case: &Case) -> EffectNote {
+    match case.probe.len() {
+        0 => note("probe", false, "there is no [[probe]]".into(), 0.0),
+        n => note("probe", true, format!("{n} read at the end"), 0.0),
     }
 }
 

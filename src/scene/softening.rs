@@ -20,21 +20,14 @@ use crate::{
 /// row of cells softens. So it is with GIMP while the domains lie within cells: on the layer of `rmpm validate
 /// shear-layer` both have bands of 1.00 to 1.03 cells. Domains that reach across a face would widen a band; points that
 /// travel do so all the time, and what it makes of n has not been measured.
-fn band_cells(shape: case::ShapeFunctions) -> f64 {
-    match shape {
-        case::ShapeFunctions::Linear => 1.0,
-        case::ShapeFunctions::Gimp | case::ShapeFunctions::GimpWide | case::ShapeFunctions::Bspline => 1.0,
-    }
-}
+const BAND_CELLS: f64 = 1.0;
 
 /// Factor on the softening modulus of a soil on the grid of a case. A nonlocal band dissipates what one of its effective
 /// width does, `band::effective_width` times l_ref.
 pub fn factor(case: &Case, strength: &case::Strength) -> f64 {
     match strength.regularisation {
         Regularisation::None => 1.0,
-        Regularisation::FractureEnergy { reference_length } => {
-            band_cells(case.solver.shape) * case.grid.cell / reference_length
-        }
+        Regularisation::FractureEnergy { reference_length } => BAND_CELLS * case.grid.cell / reference_length,
         Regularisation::Nonlocal { nonlocal_weight, .. } => band::effective_width(nonlocal_weight),
     }
 }

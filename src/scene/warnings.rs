@@ -164,9 +164,9 @@ fn unresolved_softening(case: &Case, name: &str, material: &case::Material) -> O
     let case::Material::VonMises { elastic, strength } = material else { return None };
     let h = case.grid.cell;
     match strength.regularisation {
-        case::Regularisation::Nonlocal { reference_length: l, .. } if l < 2.0 * h => {
+        case::Regularisation::Nonlocal { reference_length: l, .. } if l < 4.0 * h => {
             let text = format!(
-                "reference_length = {l} m of `{name}` is less than two cells of {h} m: the average over it is mostly that of the grid"
+                "reference_length = {l} m of `{name}` is less than four cells of {h} m: the average over it is in part that of the grid, and a band may take another energy"
             );
             Some(Warning::new("unresolved_length", &format!("material.{name}.reference_length"), text))
         }

@@ -11,7 +11,7 @@ use crate::{
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Quantity {
-    /// What a probe of the case reads, by its name. A probe with the name of a measure goes before it.
+    /// What a probe of the case reads, by its name.
     Probe {
         name: String,
         unit: &'static str,
@@ -58,9 +58,14 @@ impl Quantity {
     /// A quantity by the name of a probe or of a measure.
     ///
     /// # Errors
-    /// No such name, with those there are.
+    /// No such name, with those there are; a name that both a probe and a measure have.
     pub fn named(word: &str, case: &Case) -> Result<Self, String> {
         if let Some(probe) = case.probe.iter().find(|probe| probe.name == word) {
+            if Self::measure(word).is_some() {
+                return Err(format!(
+                    "'{word}' is a probe of the case and a measure of every run; give the probe another name"
+                ));
+            }
             return Ok(Quantity::Probe { name: probe.name.clone(), unit: probe.quantity.unit() });
         }
         let probes = case.probe.iter().map(|probe| probe.name.as_str());
@@ -71,9 +76,11 @@ impl Quantity {
     /// What a case is about: its first probe, else the sliding distance where it has a crest, else the largest
     /// displacement.
     pub fn of(case: &Case) -> Self {
-        let word = if case.slide.is_some() { "sliding_distance" } else { "max_displacement" };
-        let word = case.probe.first().map_or(word, |probe| probe.name.as_str());
-        Self::named(word, case).unwrap_or(Quantity::Measure { name: "max_displacement", unit: "m" })
+        if let Some(probe) = case.probe.first() {
+            return Quantity::Probe { name: probe.name.clone(), unit: probe.quantity.unit() };
+        }
+        let name = if case.slide.is_some() { "sliding_distance" } else { "max_displacement" };
+        Quantity::Measure { name, unit: "m" }
     }
 
     fn measure(word: &str) -> Option<Self> {
@@ -143,6 +150,8 @@ mod tests {
         for m in &MEASURES {
             assert_eq!(Quantity::named(m.word, &case).unwrap().unit(), m.unit);
         }
+        let twice = bar(&["probe=[{name='runout', at=[1.0, 0.1], quantity='stress_xx'}]"]);
+        assert!(Quantity::named("runout", &twice).unwrap_err().contains("another name"));
         assert!(Quantity::named("sliding", &case).unwrap_err().contains("sliding_distance, runout"));
         assert!(Quantity::named("sliding_distance", &case).unwrap().is_statistical());
     }

@@ -4,6 +4,7 @@ use crate::case::Guard;
 use crate::case::cursor::Cursor;
 use crate::case::keys::Keys;
 use crate::case::limits::between;
+use crate::case::log::Problem;
 use crate::case::tree::Value;
 
 /// Shares of the energy supplied: 2 % is beyond what sound cases leave (1.5 %); see [`Guard`].
@@ -15,6 +16,13 @@ pub(super) fn guard(root: &mut Keys<'_>) -> Option<Guard> {
     let mut keys = root.section("guard")?;
     let warning = keys.or("warning", Some(WARNING), level);
     let fault = keys.or("fault", Some(FAULT), level);
+    if let (Some(Some(warning)), Some(Some(fault))) = (warning, fault)
+        && fault < warning
+    {
+        let problem =
+            Problem::new(format!("a fault at {fault} comes before the warning at {warning}"), "below `warning`");
+        keys.header_error::<()>("fault", problem.help("lower `guard.warning`, or set it to false"));
+    }
     keys.finish();
     Some(Guard { warning: warning?, fault: fault? })
 }

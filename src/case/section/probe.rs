@@ -1,6 +1,6 @@
 //! `[[probe]]`.
 
-use super::load::{items, name};
+use super::{default_name, load::items};
 use crate::case::cursor::Cursor;
 use crate::case::keys::Keys;
 use crate::case::limits::{COORDINATE, signed};
@@ -15,19 +15,29 @@ pub(super) fn probes(root: &mut Keys<'_>, outlines: Option<&[&RegionShape]>) -> 
 }
 
 fn probe(index: usize, mut keys: Keys<'_>, outlines: Option<&[&RegionShape]>) -> Option<Probe> {
-    let name = name(&mut keys, "probe", index);
+    let name = keys.or("name", default_name("probe", index), own_name);
     let at = keys.required("at", |c| {
         let at = c.pair(COORDINATE)?;
         in_the_soil(c, at, outlines).then_some(at)
     });
     let quantity = keys.required("quantity", quantity);
     let exact = keys.optional("exact", |c| c.number(signed(quantity.map_or("", ProbeQuantity::unit))));
-    let source = keys.optional("source", |c| c.text().map(str::to_owned));
+    let source = keys.optional("source", own_name);
     let pair =
         exact.as_ref().zip(source.as_ref()).is_none_or(|(e, s)| belong_together(&keys, e.is_some(), s.is_some()));
     keys.finish();
     pair.then_some(())?;
     Some(Probe { name: name?, at: at?, quantity: quantity?, exact: exact?, source: source? })
+}
+
+/// A name that is not empty.
+fn own_name(cursor: &Cursor<'_>) -> Option<String> {
+    let text = cursor.text()?;
+    if text.trim().is_empty() {
+        cursor.error(Problem::new(format!("`{}` is empty", cursor.path), "must not be empty"));
+        return None;
+    }
+    Some(text.to_owned())
 }
 
 fn quantity(cursor: &Cursor<'_>) -> Option<ProbeQuantity> {

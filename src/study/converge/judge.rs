@@ -9,6 +9,8 @@ use crate::math::stats::{
 
 /// A rate whose interval is wider tells nothing: first order is not told from third.
 pub const WIDEST: f64 = 2.0;
+/// Runs of a level below which their scatter is not known well enough for a rate: resamples of three have ten medians.
+pub const FEWEST: usize = 5;
 /// Differences below this share of the largest value are rounding, not a dependence on the size.
 const ROUNDING: f64 = 1e-12;
 
@@ -61,6 +63,10 @@ pub enum Verdict {
     /// Differences do not fall as a positive power would make them.
     NoDecay {
         rate: Option<f64>,
+    },
+    /// The runs of a level scatter, and are fewer than [`FEWEST`].
+    FewRuns {
+        runs: usize,
     },
     /// The rate is none of [`RATES`].
     OddRate {
@@ -135,6 +141,10 @@ fn verdict(samples: &Samples, values: &[f64], differences: &[Difference], resamp
     let one_sign = differences.iter().all(|d| d.value * last.value > 0.0);
     if !one_sign {
         return Verdict::SignChange;
+    }
+    let fewest = samples.values.iter().map(Vec::len).min().unwrap_or(0);
+    if resampled.is_some() && fewest < FEWEST {
+        return Verdict::FewRuns { runs: fewest };
     }
     rated(samples, values, resampled)
 }

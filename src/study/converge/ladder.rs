@@ -105,7 +105,7 @@ fn ladder(draws: Draws, case: &Case, axis: Axis, quantity: &Quantity, q: usize, 
 /// The values of each level; of realisations those that all levels have which have any.
 fn values(draws: Draws, q: usize, rows: &[(f64, &Row)]) -> Vec<Vec<f64>> {
     let value = |row: &Row, k: usize| -> Option<f64> {
-        let run = row.runs.get(k).filter(|run| run.fault.is_none())?;
+        let run = row.runs.get(k).filter(|run| run.status.is_sound())?;
         run.values.get(q).copied().flatten()
     };
     let any = |row: &Row| (0..draws.runs()).any(|k| value(row, k).is_some());

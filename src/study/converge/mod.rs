@@ -88,7 +88,7 @@ pub struct Plan {
     pub max_memory: u64,
     /// Runs at a time; 0 is one a core.
     pub threads: usize,
-    /// What may end the runs early; those that it ends are counted as not at rest.
+    /// What may end the runs early; those that it ends are counted as cut short.
     pub limits: Limits<'static>,
 }
 
@@ -130,7 +130,10 @@ pub struct Row {
     pub runout_m: Option<Summary>,
     pub rest_time_s: Option<Summary>,
     pub failed: usize,
+    /// Ended from outside; they count in no figure.
+    pub cut_short: usize,
     pub censored: usize,
+    /// Ended by their time where the case asks for rest.
     pub not_at_rest: usize,
     pub runs: Vec<Run>,
     /// Whether it belongs to a ladder of time steps: its shapes are not drawn.
@@ -181,7 +184,7 @@ pub fn converge(plan: &Plan, progress: &dyn Fn(usize, usize)) -> Result<Study, S
     let work = |&(v, k): &(usize, u64)| one(plan, &scheme.variants[v].0, &quantities, k);
     let mut runs = workers::all(plan.threads, &jobs, progress, &work)?.into_iter();
     let mut rows: Vec<Row> =
-        scheme.variants.iter().map(|(v, _)| row(v, quantities.len(), runs.by_ref().take(count).collect())).collect();
+        scheme.variants.iter().map(|v| row(v, quantities.len(), runs.by_ref().take(count).collect())).collect();
     note_changes(&mut rows);
     mark_steps(&mut rows, &scheme);
     let ladders = ladder::all(plan.draws, &case, &quantities, &scheme, &rows);
@@ -219,6 +222,9 @@ fn scheme(plan: &Plan) -> Result<Scheme, String> {
         let size = |k: &usize| ladder.axis.size(&scheme.variants[*k].1);
         levels.sort_by(|a, b| size(b).total_cmp(&size(a)));
         levels.dedup();
+        if levels.len() < 2 {
+            return Err(format!("a ladder by {} needs two different values", ladder.axis.words()));
+        }
         scheme.ladders.push((ladder.axis, levels));
     }
     Ok(scheme)
@@ -277,10 +283,11 @@ fn one(plan: &Plan, variant: &Variant, quantities: &[Quantity], realisation: u64
     Ok(Ran { cells: scene.cells, points, run })
 }
 
-fn row(variant: &Variant, quantities: usize, ran: Vec<Ran>) -> Row {
+fn row((variant, case): &(Variant, Case), quantities: usize, ran: Vec<Ran>) -> Row {
     let (cells, points) = ran.first().map_or((0, 0), |r| (r.cells, r.points));
     let runs: Vec<Run> = ran.into_iter().map(|r| r.run).collect();
-    let sound: Vec<&Run> = runs.iter().filter(|r| r.fault.is_none()).collect();
+    let sound: Vec<&Run> = runs.iter().filter(|r| r.status.is_sound()).collect();
+    let cut_short = runs.iter().filter(|r| r.status.is_cut_short()).count();
     let summary =
         |pick: &dyn Fn(&Run) -> Option<f64>| Summary::of(&sound.iter().filter_map(|r| pick(r)).collect::<Vec<_>>());
     Row {
@@ -295,9 +302,10 @@ fn row(variant: &Variant, quantities: usize, ran: Vec<Ran>) -> Row {
         first_block_m: summary(&|r| r.first_block_m),
         runout_m: summary(&|r| Some(r.runout_m)),
         rest_time_s: summary(&|r| Some(r.rest_time_s)),
-        failed: runs.len() - sound.len(),
+        failed: runs.len() - sound.len() - cut_short,
+        cut_short,
         censored: runs.iter().filter(|r| r.censored).count(),
-        not_at_rest: runs.iter().filter(|r| matches!(r.status, Status::EndTime | Status::Interrupted)).count(),
+        not_at_rest: sound.iter().filter(|r| case.end.at_rest && r.status == Status::EndTime).count(),
         runs,
         is_step: false,
     }
@@ -323,6 +331,6 @@ fn note_changes(rows: &mut [Row]) {
 fn typical(row: &Row) -> Option<&Run> {
     let median = row.quantities.first().copied().flatten().map_or(0.0, |s| s.median);
     let gap = |r: &Run| (r.values.first().copied().flatten().unwrap_or(0.0) - median).abs();
-    let sound = row.runs.iter().filter(|r| r.fault.is_none() && r.snapshot.is_some());
+    let sound = row.runs.iter().filter(|r| r.status.is_sound() && r.snapshot.is_some());
     sound.min_by(|a, b| gap(a).total_cmp(&gap(b)))
 }

@@ -127,6 +127,7 @@ fn title(ladder: &Ladder) -> String {
         Verdict::Unresolved { .. } => "lost in the scatter".to_owned(),
         Verdict::Same => "the same at all levels".to_owned(),
         Verdict::TwoLevels => "one difference".to_owned(),
+        Verdict::FewRuns { .. } => "too few runs for a rate".to_owned(),
         Verdict::OddRate { .. } | Verdict::Uncertain { .. } => "no clean rate".to_owned(),
         Verdict::NoValues => "no values".to_owned(),
     };

@@ -146,3 +146,34 @@ fn realisations_need_a_random_field() {
     plan.quantities = vec!["depth".to_owned()];
     assert!(converge(&plan, &|_, _| {}).unwrap_err().contains("max_displacement"));
 }
+
+#[test]
+fn few_runs_that_scatter_give_no_rate() {
+    let told = |runs| judge(&noisy(&H, runs, 0.002, |h| 2.0 + 0.6 * h * h)).verdict;
+    assert_eq!(told(4), Verdict::FewRuns { runs: 4 });
+    assert!(matches!(told(5), Verdict::Clean { .. } | Verdict::Uncertain { .. }));
+}
+
+/// Runs that an interrupt ends count in no figure.
+#[test]
+fn runs_that_were_cut_short_are_not_values() {
+    static STOP: std::sync::atomic::AtomicBool = std::sync::atomic::AtomicBool::new(true);
+    let text = crate::case::template("slope").expect("a template").to_owned();
+    let (case, _) = crate::case::read("slope", &text, &[]).unwrap_or_else(|e| panic!("{e}"));
+    let coarse = "grid.cell=1".to_owned();
+    let plan = Plan {
+        name: "slope".to_owned(),
+        text,
+        overrides: vec![coarse],
+        variants: Vec::new(),
+        ladders: vec![Axis::TimeStep.usual(&case).unwrap()],
+        quantities: Vec::new(),
+        draws: Draws::Single,
+        max_memory: u64::MAX,
+        threads: 1,
+        limits: Limits { interrupt: Some(&STOP), time_limit: None },
+    };
+    let study = converge(&plan, &|_, _| ()).unwrap();
+    assert!(study.rows.iter().all(|r| (r.failed, r.cut_short, r.not_at_rest) == (0, 1, 0)));
+    assert!(study.ladders.iter().all(|l| l.verdict == Verdict::NoValues));
+}

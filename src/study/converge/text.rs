@@ -2,13 +2,16 @@
 
 use super::{
     Axis, Draws, Ladder, Level, Row, Study,
-    judge::{Difference, Judgement, Rate, Verdict, WIDEST},
+    judge::{Difference, FEWEST, Judgement, Rate, Verdict, WIDEST},
 };
 use crate::{
     case::{Case, Material, Scheme},
     math::stats::{Summary, richardson::RATES},
     study::digits::{digits, figure},
 };
+
+/// A limit that is as many of its uncertainties away from the exact value is not that of the problem.
+const FAR: f64 = 10.0;
 
 /// The table for people: all variants, then each ladder with its verdict.
 pub fn table(study: &Study) -> String {
@@ -40,7 +43,12 @@ fn line(row: &Row) -> String {
     let median = |s: &Option<Summary>| s.map_or("-".to_owned(), |s| figure(s.median));
     let r = row.quantities.first().copied().flatten();
     let of = |f: &dyn Fn(Summary) -> String| r.map_or("-".to_owned(), f);
-    let flags = [(row.failed, "failed"), (row.censored, "censored"), (row.not_at_rest, "not at rest")];
+    let flags = [
+        (row.failed, "failed"),
+        (row.cut_short, "cut short"),
+        (row.censored, "censored"),
+        (row.not_at_rest, "not at rest"),
+    ];
     let flags: Vec<String> = flags.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();
     format!(
         "{:<28} {:>6} {:>7} {:>5} {:>9} {:>17} {:>17} {:>18} {:>7} {:>11} {:>8} {}\n",
@@ -116,9 +124,23 @@ pub(super) fn verdict(ladder: &Ladder, judgement: &Judgement, case: &Case) -> St
         text += "; linear softening has no length scale (`regularisation` of the material gives it one)";
     }
     if let Some(rate) = ladder.rate_of_errors {
-        text += &format!("; errors against the exact value fall at the rate {}", digits(rate, 3));
+        text += &errors(rate);
+    }
+    if let (Verdict::Clean { limit, uncertainty, .. }, Some(exact)) = (ladder.verdict, ladder.exact)
+        && (limit - exact).abs() > FAR * uncertainty
+    {
+        text += &format!("; but the exact value is {} away from this limit", digits((limit - exact).abs(), 3));
     }
     text
+}
+
+/// How errors against the exact value change with the size.
+fn errors(rate: f64) -> String {
+    if rate > 0.0 {
+        format!("; errors against the exact value fall at the rate {}", digits(rate, 3))
+    } else {
+        "; errors against the exact value do not fall".to_owned()
+    }
 }
 
 fn plain(ladder: &Ladder, judgement: &Judgement) -> String {
@@ -138,6 +160,9 @@ fn plain(ladder: &Ladder, judgement: &Judgement) -> String {
         }
         Verdict::SignChange => format!("does not converge: differences {differences}{unit} change sign"),
         Verdict::NoDecay { .. } => format!("does not converge: differences {differences}{unit} do not fall"),
+        Verdict::FewRuns { runs } => format!(
+            "differences {differences}{unit}; {runs} runs a level do not tell how far they scatter, a rate needs {FEWEST}"
+        ),
         Verdict::OddRate { rate } => {
             format!("no clean rate: {}, not within {} to {}", rated(&rate, scatters), RATES[0], RATES[1])
         }

@@ -9,13 +9,17 @@ use crate::math::stats::{
     rate,
 };
 
+/// Sum of CPU times (s) below which the ticks of the clock, of a few milliseconds, are too coarse.
+const SHORTEST: f64 = 0.1;
+
 /// What a run takes at one setting.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Cost {
     pub runs: usize,
     /// Points moved; it depends on the case alone.
     pub particle_steps: f64,
-    /// CPU time of the thread (s), wall time where the system does not tell it, and the standard error of its mean.
+    /// CPU time of the thread (s), wall time where the system does not tell it well enough, and the standard error of its
+    /// mean.
     pub cpu_s: f64,
     pub cpu_se: f64,
 }
@@ -23,7 +27,9 @@ pub struct Cost {
 impl Cost {
     /// Mean over all runs of a setting; zero where there are none.
     pub fn of(runs: &Runs<'_>, setting: usize) -> Cost {
-        let seconds: Vec<f64> = runs.of_setting(setting).map(|d| d.cost.cpu_s.unwrap_or(d.cost.wall_s)).collect();
+        let cpu: Option<Vec<f64>> = runs.of_setting(setting).map(|d| d.cost.cpu_s).collect();
+        let told = cpu.filter(|cpu| cpu.iter().sum::<f64>() >= SHORTEST);
+        let seconds = told.unwrap_or_else(|| runs.of_setting(setting).map(|d| d.cost.wall_s).collect());
         let steps: Vec<f64> =
             runs.of_setting(setting).filter_map(|d| d.row.work.get("particle_steps").copied()).collect();
         let mean = |v: &[f64]| Summary::of(v).map_or(0.0, |s| s.mean);

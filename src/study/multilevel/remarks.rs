@@ -92,13 +92,19 @@ fn best(study: &Study, q: &Quantity) -> String {
 /// Whether multilevel pays, and why.
 fn coupling(q: &Quantity) -> String {
     let (name, _) = words(&q.name);
+    if !q.cost_ratio.is_finite() {
+        return format!(
+            "{name}: all realisations of the finest level give the same, so that there is nothing to weigh"
+        );
+    }
     let figures: Vec<String> = q
         .terms
         .iter()
         .skip(1)
         .map(|t| {
             let r = t.correlation.map_or("unknown".to_owned(), |c| format!("{:.2}", c.r));
-            format!("{r} (V_l / V = {:.2})", t.variance / t.fine_variance)
+            let share = if t.fine_variance > 0.0 { t.variance / t.fine_variance } else { 0.0 };
+            format!("{r} (V_l / V = {share:.2})")
         })
         .collect();
     let range = q.cost_ratio_interval.map_or(String::new(), |[a, b]| format!(" ({a:.2} to {b:.2})"));

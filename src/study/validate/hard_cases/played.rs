@@ -3,6 +3,7 @@
 use super::super::{remedy::Bench, setup::MEMORY};
 use crate::{
     case::{self, Case},
+    fault::FaultKind,
     run::{self, Blind, Limits, Outcome, Status},
     scene::{self, Scene},
     sim::Simulation,
@@ -45,11 +46,11 @@ impl Played {
         Ok(())
     }
 
-    /// Whether it came to its end, or stopped with a cause.
+    /// Whether it came to its end, or stopped with a cause that is known before a number is lost.
     pub fn is_clear(&self) -> bool {
         match self.outcome.status {
             Status::EndTime | Status::AtRest | Status::SlopeFailed => true,
-            Status::Failed => self.outcome.fault.is_some(),
+            Status::Failed => self.outcome.fault.as_ref().is_some_and(|f| f.kind != FaultKind::NonFinite),
             Status::Interrupted | Status::ResourceCap => false,
         }
     }
