@@ -152,7 +152,8 @@ fn load_places<const N: usize>(s: &mut Scratch<N>, body: &Body, range: &Range<us
     }
 }
 
-/// Spreads nodal columns to the points of the block.
+/// Spreads nodal columns to the points of the block, in whole vectors: what is written past a run belongs to
+/// the next one, which follows.
 #[inline(always)]
 pub fn spread<const N: usize, const C: usize>(
     patches: &[RunPatch<N>],
@@ -163,10 +164,17 @@ pub fn spread<const N: usize, const C: usize>(
     let shortest = columns.iter().map(|c| c.len()).fold(usize::MAX, usize::min);
     let columns = columns.map(|c| &c[..shortest]);
     for run in patches {
+        let (start, end) = (run.start as usize, (run.end as usize).min(LANES));
+        if C * N > 16 {
+            // more values than registers: one component after the other
+            for (nodal, column) in nodal.iter_mut().zip(columns) {
+                fan_out(nodal, start..end, run.slots.map(|slot| column[slot as usize]));
+            }
+            continue;
+        }
         let slots = run.slots.map(|s| s as usize);
         let values: [[f64; N]; C] = std::array::from_fn(|c| slots.map(|slot| columns[c][slot]));
-        // whole vectors: what is written past the run belongs to the next one, which follows
-        let (mut i, end) = (run.start as usize, (run.end as usize).min(LANES));
+        let mut i = start;
         while i < end {
             for c in 0..C {
                 for k in 0..N {
@@ -175,6 +183,18 @@ pub fn spread<const N: usize, const C: usize>(
             }
             i += STRIP;
         }
+    }
+}
+
+/// Writes the nodal values of one component to the points of a run.
+#[inline(always)]
+fn fan_out<const N: usize>(nodal: &mut Spread<N>, run: Range<usize>, values: [f64; N]) {
+    let mut i = run.start;
+    while i < run.end {
+        for k in 0..N {
+            nodal.0[k][i..i + STRIP].copy_from_slice(&[values[k]; STRIP]);
+        }
+        i += STRIP;
     }
 }
 

@@ -1,7 +1,7 @@
 //! Gravity with its history.
 
 use super::{Clock, Effect, Ledger, Stages};
-use crate::nodes::Nodes;
+use crate::{math::sums::sums, nodes::Nodes};
 
 /// History of gravity, as factors on its components along and normal to the base.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,10 +75,9 @@ impl Effect for Gravity {
     /// functions sum to one.
     fn account(&mut self, nodes: &Nodes, clock: Clock) {
         let g = self.at(clock);
-        let n = nodes.count;
-        let mass: f64 = nodes.mass[..n].iter().sum();
-        for axis in 0..2 {
-            let momentum: f64 = nodes.mass[..n].iter().zip(&nodes.velocity[axis]).map(|(m, v)| m * v).sum();
+        let columns = [&nodes.mass[..], &nodes.velocity[0], &nodes.velocity[1]];
+        let [mass, px, py] = sums(columns, nodes.count, |[m, vx, vy]| [m, m * vx, m * vy]);
+        for (axis, momentum) in [px, py].into_iter().enumerate() {
             self.ledger.step.external += g[axis] * momentum * clock.dt;
             self.ledger.step.impulse[axis] += g[axis] * mass * clock.dt;
         }

@@ -10,4 +10,5 @@ pub mod simd;
 pub mod sparse;
 pub mod stats;
 pub mod strip;
+pub mod sums;
 pub mod tensor;

@@ -20,7 +20,7 @@
 //! (m jump - dt f is the impulse of the supports, and the last term their part of jump M_c jump / 2.) What is left over
 //! is then dt^2 times the difference of two quadratic forms, of force and of strain: the error of the integration in time alone.
 
-use crate::nodes::Nodes;
+use crate::{math::sums::sums, nodes::Nodes};
 
 /// Sums over steps, per metre of thickness (kJ/m).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -55,9 +55,14 @@ impl Flows {
 pub fn usl(nodes: &Nodes, dt: f64) -> Flows {
     let mut flows = Flows::default();
     for axis in 0..2 {
-        let columns =
-            [&nodes.mass, &nodes.inverse_mass, &nodes.old_velocity[axis], &nodes.velocity[axis], &nodes.force[axis]];
-        let [gain, impact] = sum(columns, nodes.count, |[mass, inverse, start, end, force]| {
+        let columns = [
+            &nodes.mass[..],
+            &nodes.inverse_mass,
+            &nodes.old_velocity[axis],
+            &nodes.velocity[axis],
+            &nodes.force[axis],
+        ];
+        let [gain, impact] = sums(columns, nodes.count, |[mass, inverse, start, end, force]| {
             let push = mass * (end - start);
             // nothing but the force has changed a free node: its velocity is this very sum
             let free = end == start + dt * force * inverse;
@@ -76,7 +81,7 @@ pub fn musl(nodes: &Nodes, dt: f64) -> Flows {
     let mut flows = Flows::default();
     for axis in 0..2 {
         let columns = [
-            &nodes.mass,
+            &nodes.mass[..],
             &nodes.inverse_mass,
             &nodes.old_velocity[axis],
             &nodes.velocity[axis],
@@ -86,7 +91,7 @@ pub fn musl(nodes: &Nodes, dt: f64) -> Flows {
             &nodes.strain_velocity[axis],
         ];
         let [gain, impact] =
-            sum(columns, nodes.count, |[mass, inverse, start, end, force, internal, momentum, strain]| {
+            sums(columns, nodes.count, |[mass, inverse, start, end, force, internal, momentum, strain]| {
                 let (jump, second) = (end - start, momentum * inverse);
                 let (push, lag) = (mass * jump, end - second);
                 // what the second pass leaves alone is moved by forces, friction among them
@@ -99,44 +104,6 @@ pub fn musl(nodes: &Nodes, dt: f64) -> Flows {
         flows.impact += impact;
     }
     flows
-}
-
-/// Components summed side by side: a fixed order, and a loop that processors do several of at once.
-const SIDE: usize = 16;
-
-/// Sums of the `terms` of the first `n` entries of columns; terms of nothing but zeros must be 0.
-#[inline(always)]
-fn sum<const C: usize, const K: usize>(
-    columns: [&Vec<f64>; C],
-    n: usize,
-    terms: impl Fn([f64; C]) -> [f64; K],
-) -> [f64; K] {
-    let mut sums = [[0.0; SIDE]; K];
-    let chunks = columns.map(|column| column[..n].as_chunks::<SIDE>());
-    for k in 0..n / SIDE {
-        add(&mut sums, chunks.map(|(whole, _)| &whole[k]), &terms);
-    }
-    let last = chunks.map(|(_, rest)| {
-        let mut last = [0.0; SIDE];
-        last[..rest.len()].copy_from_slice(rest);
-        last
-    });
-    add(&mut sums, last.each_ref(), &terms);
-    sums.map(|s| s.iter().sum())
-}
-
-#[inline(always)]
-fn add<const C: usize, const K: usize>(
-    sums: &mut [[f64; SIDE]; K],
-    entries: [&[f64; SIDE]; C],
-    terms: &impl Fn([f64; C]) -> [f64; K],
-) {
-    for i in 0..SIDE {
-        let terms = terms(std::array::from_fn(|c| entries[c][i]));
-        for k in 0..K {
-            sums[k][i] += terms[k];
-        }
-    }
 }
 
 #[cfg(test)]
@@ -155,13 +122,5 @@ mod tests {
         assert_eq!(usl(&nodes, 0.5), Flows { nodes: 4.0 * (16.0 - 9.0), impact: 0.0, integrator: 0.0 });
         nodes.velocity[0][slots[3]] = 0.0;
         assert_eq!(usl(&nodes, 0.5), Flows { nodes: 3.0 * 7.0 - 9.0, impact: 9.0, integrator: 0.0 });
-    }
-
-    #[test]
-    fn sums_take_all_entries_once() {
-        let column: Vec<f64> = (0..40).map(f64::from).collect();
-        for n in 0..40 {
-            assert_eq!(sum([&column], n, |[v]| [v]), [(n * n.saturating_sub(1) / 2) as f64]);
-        }
     }
 }
