@@ -2,7 +2,7 @@
 //! and the equations.
 //!
 //! Best of the steps of a run, by the wall clock inside the integrator: what else the machine does
-//! only adds. `cargo bench --bench implicit`.
+//! only adds. `cargo bench --bench implicit`; `-- --large` runs 100,000 cells instead.
 
 mod common;
 
@@ -10,9 +10,10 @@ use common::{SLOPE, simulation, yielded};
 use rmpm::{sim::Simulation, work::Work};
 
 fn main() {
+    let large = std::env::args().any(|a| a == "--large");
     println!(
         "{:<34}{:>8}{:>8}{:>10}{:>14}{:>16}{:>14}{:>10}",
-        "1810 cells, 7,240 points",
+        if large { "100,000 cells, 400,000 points" } else { "1810 cells, 7,240 points" },
         "steps",
         "it/step",
         "yielded",
@@ -23,12 +24,32 @@ fn main() {
     );
     let rough = ["boundary.base.kind=fixed", "material.clay.strength_measure=kirchhoff"];
     let slip = ["end.time=40"];
+    if large {
+        let fine = [&rough[..], &["grid.cell=5/149", "implicit.symmetric=direct"]].concat();
+        measure("rough base, L L^T", &fine, 0.02, 3);
+        let short = [&fine[..3], &["implicit.regime=newmark", "implicit.time_step=0.002"]].concat();
+        measure("the same, steps of 2 ms, auto", &short, 0.002, 3);
+        println!("memory at its peak: {}", peak());
+        return;
+    }
     measure("rough base, Kirchhoff (symmetric)", &rough, 3.0, 60);
+    let short = [&rough[..], &["implicit.regime=newmark", "implicit.time_step=0.01"]].concat();
+    for way in ["direct", "pcg", "auto"] {
+        let way = format!("implicit.symmetric={way}");
+        measure(&format!("steps of 10 ms, {way}"), &[&short[..], &[way.as_str()]].concat(), 1.0, 20);
+    }
     measure("frictional base, Cauchy, ramp", &slip, 3.0, 60);
     measure("frictional base, Cauchy, sliding", &slip, 6.0, 60);
     measure("the same, b_bar", &["solver.locking=b_bar"], 4.0, 20);
     measure("the same, gimp", &["solver.shape=gimp"], 4.0, 20);
     measure("the same, gimp_wide", &["solver.shape=gimp_wide"], 4.0, 10);
+}
+
+/// Most memory that this process has held, where the system tells.
+fn peak() -> String {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"));
+    line.map_or("unknown".into(), |l| l.trim().to_owned())
 }
 
 /// Seconds of the phases, and the counters, of the steps so far.

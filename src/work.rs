@@ -37,6 +37,8 @@ pub struct Work {
     pub solves: u64,
     /// Iterations of GMRES, each with one solve by a factor.
     pub gmres_iterations: u64,
+    /// Iterations of conjugate gradients.
+    pub pcg_iterations: u64,
     /// Linear solves that needed a fallback.
     pub fallback_solves: u64,
     /// Largest relative residual of any linear solve (0 in the explicit scheme, which solves none).

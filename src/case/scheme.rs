@@ -167,6 +167,9 @@ pub struct Implicit {
     pub pic_rate: Option<f64>,
     /// Order of elimination. Default `auto`: by the number of unknowns.
     pub ordering: Ordering,
+    /// Solver of symmetric systems (no friction, strength by Kirchhoff stress). Default `auto`: conjugate gradients where
+    /// few iterations are expected, as in steps of a Courant number of some units; they measure faster there.
+    pub symmetric: Symmetric,
     /// Solver of unsymmetric systems (friction). Default `auto`: by the number of unknowns.
     pub unsymmetric: Unsymmetric,
     /// gamma_K, stiffness of the ghost penalty on the faces of boundary cells. Default 0, off: direct
@@ -242,6 +245,17 @@ pub enum Ordering {
     /// Approximate minimum degree.
     Amd,
     NestedDissection,
+}
+
+/// Solver of symmetric systems.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Symmetric {
+    Auto,
+    /// A factorisation.
+    Direct,
+    /// Conjugate gradients with an incomplete factor, and a factorisation where these fail.
+    Pcg,
 }
 
 /// Solver of unsymmetric systems.

@@ -82,6 +82,7 @@ fn the_implicit_keys_have_the_documented_defaults() {
         line_search: true,
         pic_rate: Some(0.5),
         ordering: Ordering::Auto,
+        symmetric: Symmetric::Auto,
         unsymmetric: Unsymmetric::Auto,
         ghost_stiffness: 0.0,
         ghost_mass: 0.0,
@@ -250,7 +251,9 @@ fn every_variant_comes_back_from_its_resolved_text() {
         &["solver={scheme=\"implicit\", kinematics=\"small\", locking=\"b_bar\"}", "implicit.regime=quasi_static"],
         &["implicit={inertia=\"hht\", hht_alpha=0.05, tolerance=1e-3, absolute_residual=1e-6, ordering=\"amd\"}"],
         &["implicit={regime=\"hht\", time_step=0.1, max_time_step=1, unsymmetric=\"gmres\", ghost_stiffness=0.1}"],
-        &["implicit={regime=\"backward_euler\", line_search=false, ordering=\"nested_dissection\", ghost_mass=1}"],
+        &[
+            "implicit={regime=\"backward_euler\", line_search=false, symmetric=\"pcg\", ordering=\"nested_dissection\", ghost_mass=1}",
+        ],
         &["material.clay.law=elastic", "material.clay.density=1.7", "material.clay.cohesion=1"],
     ];
     let last = variants.len() - 1;

@@ -1,6 +1,7 @@
 //! Mathematics that knows nothing of soil: tensors, statistics, sparse systems of equations.
 
 pub mod circle;
+pub mod fused;
 pub mod linear;
 pub mod newton;
 pub mod ordering;

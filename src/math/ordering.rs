@@ -175,7 +175,7 @@ fn postordered(pattern: &Pattern, order: &[u32]) -> Vec<u32> {
 }
 
 /// Parents in the elimination tree, by place in the order (Liu 1986, with path compression).
-fn elimination_tree(pattern: &Pattern, order: &[u32]) -> Vec<u32> {
+pub(crate) fn elimination_tree(pattern: &Pattern, order: &[u32]) -> Vec<u32> {
     let inverse = inverted(order);
     let (mut parents, mut ancestors) = (vec![NONE; order.len()], vec![NONE; order.len()]);
     for (k, &j) in (0..).zip(order) {

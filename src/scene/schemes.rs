@@ -5,7 +5,7 @@ use crate::{
     case::{self, Case},
     effect::TimeScheme,
     math::{
-        linear::{Options, Ordering, Unsymmetric},
+        linear::{Options, Ordering, Symmetric, Unsymmetric},
         newton::Tolerances,
     },
     step::{
@@ -64,6 +64,11 @@ pub fn implicit(case: &Case, body: &Body) -> implicit::Settings {
                 case::Ordering::Auto => Ordering::Auto,
                 case::Ordering::Amd => Ordering::Amd,
                 case::Ordering::NestedDissection => Ordering::NestedDissection,
+            },
+            symmetric: match i.symmetric {
+                case::Symmetric::Auto => Symmetric::Auto,
+                case::Symmetric::Direct => Symmetric::Direct,
+                case::Symmetric::Pcg => Symmetric::Pcg,
             },
             unsymmetric: match i.unsymmetric {
                 case::Unsymmetric::Auto => Unsymmetric::Auto,

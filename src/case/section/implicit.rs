@@ -5,7 +5,7 @@ use crate::case::keys::{Keys, Variant};
 use crate::case::limits::{Limits, between, figure, not_negative};
 use crate::case::log::Problem;
 use crate::case::section::solver::{Chosen, pic_rate};
-use crate::case::{Implicit, Inertia, Ordering, Regime, Unsymmetric};
+use crate::case::{Implicit, Inertia, Ordering, Regime, Symmetric, Unsymmetric};
 
 const REGIMES: &[Variant] = &[
     Variant { word: "auto", keys: &["inertia", "hht_alpha"] },
@@ -34,6 +34,7 @@ pub(super) fn implicit(root: &mut Keys<'_>, chosen: Option<&Chosen>) -> Option<I
     let line_search = keys.or("line_search", true, |c| c.flag());
     let pic_rate = pic_rate(&mut keys, chosen);
     let ordering = keys.or("ordering", Ordering::Auto, ordering);
+    let symmetric = keys.or("symmetric", Symmetric::Auto, symmetric);
     let unsymmetric = keys.or("unsymmetric", Unsymmetric::Auto, unsymmetric);
     let ghost_stiffness = keys.or("ghost_stiffness", 0.0, |c| c.number(between(0.0, 10.0, "")));
     let ghost_mass = keys.or("ghost_mass", 0.0, |c| c.number(between(0.0, 10.0, "")));
@@ -51,6 +52,7 @@ pub(super) fn implicit(root: &mut Keys<'_>, chosen: Option<&Chosen>) -> Option<I
         line_search: line_search?,
         pic_rate: pic_rate?,
         ordering: ordering?,
+        symmetric: symmetric?,
         unsymmetric: unsymmetric?,
         ghost_stiffness: ghost_stiffness?,
         ghost_mass: ghost_mass?,
@@ -121,6 +123,14 @@ fn ordering(cursor: &Cursor<'_>) -> Option<Ordering> {
         "amd" => Some(Ordering::Amd),
         "nested_dissection" => Some(Ordering::NestedDissection),
         _ => Some(Ordering::Auto),
+    }
+}
+
+fn symmetric(cursor: &Cursor<'_>) -> Option<Symmetric> {
+    match cursor.word(&["auto", "direct", "pcg"])? {
+        "direct" => Some(Symmetric::Direct),
+        "pcg" => Some(Symmetric::Pcg),
+        _ => Some(Symmetric::Auto),
     }
 }
 

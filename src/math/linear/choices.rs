@@ -13,6 +13,19 @@ pub enum Ordering {
     NestedDissection,
 }
 
+/// How a symmetric system is solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Symmetric {
+    /// Conjugate gradients where inertia outweighs stiffness so far that they are expected to take few iterations, L L^T
+    /// else (`linear::inertia`).
+    #[default]
+    Auto,
+    /// L L^T.
+    Direct,
+    /// Conjugate gradients, then L L^T.
+    Pcg,
+}
+
 /// How an unsymmetric system is solved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Unsymmetric {
@@ -31,6 +44,8 @@ pub enum Unsymmetric {
 pub struct Options {
     /// Order of elimination for symmetric factors.
     pub ordering: Ordering,
+    /// Method for symmetric systems.
+    pub symmetric: Symmetric,
     /// Method for unsymmetric systems.
     pub unsymmetric: Unsymmetric,
     /// Largest |b - A x| / |b| (Euclidean) of a solution that is accepted.
@@ -39,7 +54,8 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Options { ordering: Ordering::Auto, unsymmetric: Unsymmetric::Auto, max_residual: 1e-8 }
+        let (symmetric, unsymmetric) = (Symmetric::Auto, Unsymmetric::Auto);
+        Options { ordering: Ordering::Auto, symmetric, unsymmetric, max_residual: 1e-8 }
     }
 }
 
@@ -54,6 +70,8 @@ pub enum Method {
     Lu,
     /// GMRES with the L L^T of (A + A^T) / 2 as preconditioner.
     Gmres,
+    /// Conjugate gradients with an incomplete L L^T as preconditioner.
+    Pcg,
 }
 
 /// What is said of a solution.
@@ -63,11 +81,12 @@ pub struct Solution {
     pub method: Method,
     /// |b - A x| / |b| (Euclidean).
     pub residual: f64,
-    /// Whether a symmetric matrix is positive definite; `None` for an unsymmetric one, or where it was not tried.
+    /// Whether a symmetric matrix is positive definite; `None` for an unsymmetric one, or where it was not tried: conjugate
+    /// gradients that converge have met no direction along which it is not, which is no proof.
     /// An unsymmetric tangent may lose its symmetric part's definiteness long before it becomes singular, so
     /// that part is no sign of lost stability, whichever method solves.
     pub positive: Option<bool>,
-    /// Iterations of GMRES.
+    /// Iterations of GMRES or of conjugate gradients.
     pub iterations: u32,
     /// Whether a method failed before this one.
     pub fallback: bool,

@@ -50,8 +50,9 @@ fn dense(pattern: &Pattern, values: &[f64]) -> DMatrix<f64> {
     DMatrix::from(&CscMatrix::try_from_csc_data(pattern.dim(), pattern.dim(), ptr, rows, values.to_vec()).unwrap())
 }
 
+/// Symmetric systems are factored: with the heavy diagonals of these tests conjugate gradients would do.
 fn solver(unsymmetric: Unsymmetric) -> Solver {
-    Solver::new(Options { unsymmetric, ..Options::default() })
+    Solver::new(Options { unsymmetric, symmetric: Symmetric::Direct, ..Options::default() })
 }
 
 struct Solved {
@@ -90,7 +91,7 @@ proptest! {
         let values = symmetric(&pattern, seed, |_| 60.0);
         let rhs = noise(seed + 1, pattern.dim());
         let ordering = if amd { Ordering::Amd } else { Ordering::NestedDissection };
-        let mut solver = Solver::new(Options { ordering, ..Options::default() });
+        let mut solver = Solver::new(Options { ordering, symmetric: Symmetric::Direct, ..Options::default() });
         let solved = solve(&mut solver, &pattern, &values, true, &rhs).unwrap();
         prop_assert_eq!((solved.said.method, solved.said.positive), (Method::Llt, Some(true)));
         prop_assert!(off(&pattern, &values, &rhs, &solved.x) < 1e-12);
@@ -379,4 +380,59 @@ fn a_matrix_that_is_hard_to_solve_says_so() {
     solve(&mut solver, &pattern, &values, true, &noise(2, pattern.dim())).unwrap();
     assert!(solver.condition(&pattern, &values) > 1e10);
     assert!(solver.bytes() > 8 * solver.fill());
+}
+
+/// A slab of stiffness 1 between neighbours, with this much inertia at each unknown.
+fn with_inertia(pattern: &Pattern, inertia: f64) -> Vec<f64> {
+    let mut values = vec![0.0; pattern.len()];
+    map(pattern, &mut values, |r, c, _| if r != c && r % 2 == c % 2 { -1.0 } else { 0.0 });
+    for j in 0..pattern.nodes() {
+        let (at, near) = (pattern.block(j, offset_bit(0, 0)), pattern.mask(j).count_ones() as f64 - 1.0);
+        (0..2).for_each(|axis| values[at + axis * (pattern.stride(j) + 1)] = near + inertia);
+    }
+    values
+}
+
+/// Where a step is short, few iterations do; where stiffness prevails, a factor is made.
+#[test]
+fn conjugate_gradients_take_over_where_inertia_prevails() {
+    let pattern = grid(40, 20, 1);
+    let rhs = noise(3, pattern.dim());
+    for (inertia, wanted) in [(8.0, Method::Pcg), (0.01, Method::Llt)] {
+        let values = with_inertia(&pattern, inertia);
+        let solved = solve(&mut Solver::default(), &pattern, &values, true, &rhs).unwrap();
+        assert_eq!((solved.said.method, solved.said.fallback), (wanted, false));
+        assert_eq!(solved.work.factorisations, u64::from(wanted == Method::Llt));
+        // the residual asked for is 1e-10, the condition at most 2 * 16 / inertia
+        assert!(off(&pattern, &values, &rhs, &solved.x) < 1e-10 * (1.0 + 32.0 / inertia));
+    }
+}
+
+/// What is not positive definite goes on to a factor, and so does everything where the pivots are wanted.
+#[test]
+fn conjugate_gradients_give_way() {
+    let pattern = grid(40, 20, 1);
+    let rhs = noise(4, pattern.dim());
+    let asked = || Solver::new(Options { symmetric: Symmetric::Pcg, ..Options::default() });
+    let indefinite = symmetric(&pattern, 5, |r| if r % 2 == 0 { 20.0 } else { -20.0 });
+    let solved = solve(&mut asked(), &pattern, &indefinite, true, &rhs).unwrap();
+    assert_eq!((solved.said.method, solved.said.positive), (Method::Ldlt, Some(false)));
+    assert_eq!(solved.work.fallback_solves, 1);
+
+    let easy = with_inertia(&pattern, 8.0);
+    let mut wanting = asked();
+    wanting.want_pivots(true);
+    let solved = solve(&mut wanting, &pattern, &easy, true, &rhs).unwrap();
+    assert_eq!((solved.said.method, solved.said.positive), (Method::Llt, Some(true)));
+}
+
+/// Without fill to drop, i.e. for a chain, the incomplete factor is the factor: one iteration.
+#[test]
+fn an_incomplete_factor_of_a_chain_is_complete() {
+    let pattern = grid(60, 1, 1);
+    let values = symmetric(&pattern, 6, |_| 8.0);
+    let rhs = noise(7, pattern.dim());
+    let mut chain = Solver::new(Options { symmetric: Symmetric::Pcg, ..Options::default() });
+    let solved = solve(&mut chain, &pattern, &values, true, &rhs).unwrap();
+    assert_eq!((solved.said.method, solved.said.iterations), (Method::Pcg, 1));
 }

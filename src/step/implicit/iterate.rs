@@ -39,6 +39,8 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
         work: &mut Work,
     ) -> Result<f64, Fault> {
         let mut positive = true;
+        // the sign of the pivots tells when a body at rest loses its stability
+        self.solver.want_pivots(self.inertia.is_none() && matches!(self.settings.regime, Regime::Auto(_)));
         let (mut plastic, mut residual) = match self.evaluate(body, clock, weights, 0) {
             Ok(found) => found,
             Err(_) if weights.is_some() => {

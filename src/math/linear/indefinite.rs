@@ -1,19 +1,17 @@
-//! Factors of symmetric matrices: L L^T, and L B L^T for indefinite ones.
+//! L B L^T of symmetric matrices that are not positive definite: blocks of one or two rows in B, whose pivots are sought
+//! within a supernode only.
 
 use faer::{
     Conj, MatMut, Par, Side, Spec,
     dyn_stack::MemBuffer,
-    linalg::cholesky::{
-        lblt::factor::LbltParams,
-        llt::factor::{LltParams, LltRegularization},
-    },
+    linalg::cholesky::lblt::factor::LbltParams,
     perm::PermRef,
     sparse::{
         SparseColMatRef, SymbolicSparseColMatRef,
         linalg::{
             SupernodalThreshold, SymbolicSupernodalParams,
             cholesky::{
-                CholeskySymbolicParams, IntranodeLbltRef, LltRef, SymbolicCholesky, SymmetricOrdering,
+                CholeskySymbolicParams, IntranodeLbltRef, SymbolicCholesky, SymmetricOrdering,
                 factorize_symbolic_cholesky,
             },
         },
@@ -23,20 +21,11 @@ use faer::{
 use super::memory;
 use crate::math::ordering;
 
-/// What the values of the factor are.
-#[derive(Clone, Copy, PartialEq)]
-enum Kind {
-    /// A = L L^T.
-    Positive,
-    /// A = L B L^T with blocks of one or two rows in B; pivots are sought within a supernode only.
-    Indefinite,
-}
-
 /// Symbolic and numeric factor with their workspace; all of it is kept between factorisations.
 #[derive(Default)]
-pub(super) struct Cholesky {
+pub(super) struct Indefinite {
     symbolic: Option<SymbolicCholesky<u32>>,
-    kind: Option<Kind>,
+    made: bool,
     values: Vec<f64>,
     subdiagonal: Vec<f64>,
     forward: Vec<u32>,
@@ -44,10 +33,10 @@ pub(super) struct Cholesky {
     memory: Option<MemBuffer>,
 }
 
-impl Cholesky {
+impl Indefinite {
     pub fn forget(&mut self) {
         self.symbolic = None;
-        self.kind = None;
+        self.made = false;
     }
 
     pub fn is_prepared(&self) -> bool {
@@ -68,26 +57,13 @@ impl Cholesky {
         let symbolic = factorize_symbolic_cholesky(structure, Side::Lower, order, parameters).ok()?;
         self.values.resize(symbolic.len_val(), 0.0);
         self.symbolic = Some(symbolic);
-        self.kind = None;
-        Some(())
-    }
-
-    /// L L^T of a matrix of which the lower triangle is read; `None` if it is not positive definite.
-    pub fn factor_positive(&mut self, matrix: SparseColMatRef<'_, u32, f64>) -> Option<()> {
-        self.kind = None;
-        let symbolic = self.symbolic.as_ref()?;
-        let parameters = Spec::<LltParams, f64>::default();
-        let request = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, parameters);
-        let stack = memory::stack(&mut self.memory, request)?;
-        let (side, regular) = (Side::Lower, LltRegularization::default());
-        symbolic.factorize_numeric_llt(&mut self.values, matrix, side, regular, Par::Seq, stack, parameters).ok()?;
-        self.kind = Some(Kind::Positive);
+        self.made = false;
         Some(())
     }
 
     /// L B L^T of a symmetric matrix, singular or not: the residual of a solution tells.
-    pub fn factor_indefinite(&mut self, matrix: SparseColMatRef<'_, u32, f64>) -> Option<()> {
-        self.kind = None;
+    pub fn factor(&mut self, matrix: SparseColMatRef<'_, u32, f64>) -> Option<()> {
+        self.made = false;
         let symbolic = self.symbolic.as_ref()?;
         let n = symbolic.nrows();
         // a column with nothing below its diagonal leaves its entry as it finds it
@@ -109,29 +85,20 @@ impl Cholesky {
             stack,
             parameters,
         );
-        self.kind = Some(Kind::Indefinite);
+        self.made = true;
         Some(())
     }
 
     /// Overwrites `x` with A^-1 x by the last factor.
     pub fn solve(&mut self, x: &mut [f64]) -> Option<()> {
-        let (symbolic, kind) = (self.symbolic.as_ref()?, self.kind?);
+        let symbolic = self.symbolic.as_ref().filter(|_| self.made)?;
         let n = symbolic.nrows();
         let stack = memory::stack(&mut self.memory, symbolic.solve_in_place_scratch::<f64>(1, Par::Seq))?;
         let x = MatMut::from_column_major_slice_mut(x, n, 1);
-        if kind == Kind::Positive {
-            LltRef::new(symbolic, &self.values).solve_in_place_with_conj(Conj::No, x, Par::Seq, stack);
-        } else {
-            let pivots = PermRef::new_checked(&self.forward, &self.inverse, n);
-            let factor = IntranodeLbltRef::new(symbolic, &self.values, &self.subdiagonal, pivots);
-            factor.solve_in_place_with_conj(Conj::No, x, Par::Seq, stack);
-        }
+        let pivots = PermRef::new_checked(&self.forward, &self.inverse, n);
+        let factor = IntranodeLbltRef::new(symbolic, &self.values, &self.subdiagonal, pivots);
+        factor.solve_in_place_with_conj(Conj::No, x, Par::Seq, stack);
         Some(())
-    }
-
-    /// Values in the factor.
-    pub fn fill(&self) -> usize {
-        self.symbolic.as_ref().map_or(0, SymbolicCholesky::len_val)
     }
 
     /// Bytes of values, pivots and workspace.
