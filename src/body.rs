@@ -116,8 +116,8 @@ pub struct Body {
     pub committed: State,
     pub trial: State,
     reference: Vec<[f64; 2]>,
-    keys: Vec<u64>,
-    scratch: Vec<f64>,
+    /// Room for the order of a sort.
+    order: Vec<u32>,
 }
 
 impl Body {
@@ -133,8 +133,7 @@ impl Body {
             committed: State::with_len(n, histories, 2),
             trial: State::with_len(n, histories, 11 + histories),
             reference: Vec::with_capacity(n),
-            keys: Vec::with_capacity(n),
-            scratch: vec![0.0; n],
+            order: Vec::with_capacity(n),
         };
         for seed in seeds {
             body.push_group(seed);
@@ -278,28 +277,30 @@ impl Body {
         }
     }
 
-    /// Puts the points of each group in the order of their cells. Identities go with them.
+    /// Puts the points of each group in the order of their cells. Identities go with them. The trial positions, which
+    /// mean nothing between two steps, are the buffers.
     pub fn sort(&mut self, grid: &Grid) {
         for g in 0..self.groups.len() {
             let range = self.groups[g].range.clone();
-            self.keys.clear();
-            let (x, y) = (&self.committed.x[0][range.clone()], &self.committed.x[1][range.clone()]);
-            self.keys.extend(x.iter().zip(y).enumerate().map(|(i, (&x, &y))| cell_key(grid, x, y) << 32 | i as u64));
-            self.keys.sort_unstable();
+            let Body { committed, trial, order, .. } = self;
+            let (x, y) = (&committed.x[0][range.clone()], &committed.x[1][range.clone()]);
+            let cells = &mut trial.x[0][range];
+            cells.iter_mut().zip(x.iter().zip(y)).for_each(|(cell, (&x, &y))| *cell = cell_key(grid, x, y));
+            order.clear();
+            order.extend(0..cells.len() as u32);
+            order.sort_unstable_by(|&a, &b| cells[a as usize].total_cmp(&cells[b as usize]).then(a.cmp(&b)));
             self.apply_order(g);
         }
     }
 
-    /// Reorders every column of group `g` by `self.keys`, whose low half is the old place.
+    /// Reorders every column of group `g`: `self.order` gives the old place of each point.
     fn apply_order(&mut self, g: usize) {
         let range = self.groups[g].range.clone();
-        let Body { groups, keys, scratch, committed, mass, volume, id, .. } = self;
+        let Body { groups, order, committed, trial, mass, volume, id, .. } = self;
+        let old = &mut trial.x[1][range.clone()];
         let mut reorder = |column: &mut [f64]| {
-            let scratch = &mut scratch[..column.len()];
-            scratch.copy_from_slice(column);
-            for (to, key) in column.iter_mut().zip(keys.iter()) {
-                *to = scratch[(key & 0xFFFF_FFFF) as usize];
-            }
+            old.copy_from_slice(column);
+            column.iter_mut().zip(order.iter()).for_each(|(to, from)| *to = old[*from as usize]);
         };
         committed.columns().for_each(|c| reorder(&mut c[range.clone()]));
         reorder(&mut mass[range.clone()]);
@@ -309,13 +310,8 @@ impl Body {
                 reorder(values);
             }
         }
-        let old = &mut scratch[..range.len()];
-        for (to, &from) in old.iter_mut().zip(&id[range.clone()]) {
-            *to = f64::from(from);
-        }
-        for (to, key) in id[range].iter_mut().zip(keys.iter()) {
-            *to = old[(key & 0xFFFF_FFFF) as usize] as u32;
-        }
+        old.iter_mut().zip(&id[range.clone()]).for_each(|(to, &from)| *to = f64::from(from));
+        id[range].iter_mut().zip(order.iter()).for_each(|(to, from)| *to = old[*from as usize] as u32);
     }
 
     /// The state in the order of the identities.
@@ -374,7 +370,8 @@ impl Body {
             .sum();
         let c = &self.committed;
         let state = 9 + [&c.history, &c.acceleration, &c.deformation, &c.affine].map(Vec::len).iter().sum::<usize>();
-        let fixed = (2 * state + 3) * 8 + 8 + 4 + 16;
+        // mass and volume, identity, order of a sort, reference
+        let fixed = (2 * state + 2) * 8 + 4 + 4 + 16;
         fixed as f64 + varying as f64 * 8.0 / self.len().max(1) as f64
     }
 
@@ -385,11 +382,11 @@ impl Body {
     }
 }
 
-/// Cell of a position, row by row; positions outside go to the last key.
-fn cell_key(grid: &Grid, x: f64, y: f64) -> u64 {
+/// Cell of a position, row by row; positions outside go to the last key. A whole number of at most 32 bits.
+fn cell_key(grid: &Grid, x: f64, y: f64) -> f64 {
     let cx = ((x - grid.origin[0]) / grid.h) as u64;
     let cy = ((y - grid.origin[1]) / grid.h) as u64;
-    (cy * u64::from(grid.cells[0]) + cx).min(u64::from(u32::MAX))
+    (cy.saturating_mul(u64::from(grid.cells[0])).saturating_add(cx)).min(u64::from(u32::MAX)) as f64
 }
 
 /// A stretch cut into blocks.

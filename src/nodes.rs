@@ -2,8 +2,6 @@
 
 use crate::space::{Grid, grid::Side};
 
-const NONE: u32 = u32::MAX;
-
 /// Fields on the active nodes. Entry `s` of each column belongs to grid node `id[s]`. Columns
 /// are longer than `count` where an earlier step had more nodes; what lies past it is zero.
 pub struct Nodes {
@@ -30,6 +28,8 @@ pub struct Nodes {
     pub strain_velocity: [Vec<f64>; 2],
     /// Active nodes on each side of the grid, in the order of [`Side::ALL`].
     sides: [Vec<u32>; 4],
+    /// For each node of the grid its active number and one more; 0 where it is not active. The zeros cost no memory
+    /// until soil comes there: an empty part of the domain is free.
     slot: Vec<u32>,
     /// ceil(2^64 / nodes in a row).
     row_inverse: u64,
@@ -38,7 +38,7 @@ pub struct Nodes {
 }
 
 impl Nodes {
-    /// Nodes of a grid, none active. Takes 4 bytes a grid node.
+    /// Nodes of a grid, none active. Takes 4 bytes a grid node where soil is or has been.
     pub fn new(grid: Grid) -> Self {
         Nodes {
             grid,
@@ -53,7 +53,7 @@ impl Nodes {
             velocity: Default::default(),
             strain_velocity: Default::default(),
             sides: Default::default(),
-            slot: vec![NONE; grid.nodes()],
+            slot: vec![0; grid.nodes()],
             row_inverse: u64::MAX / u64::from(grid.row()) + 1,
             growths: 0,
             high_water: 0,
@@ -63,7 +63,7 @@ impl Nodes {
     /// Forgets the nodes of the last step.
     pub fn begin(&mut self) {
         for &id in &self.id[..self.count] {
-            self.slot[id as usize] = NONE;
+            self.slot[id as usize] = 0;
         }
         let n = self.count;
         self.mass[..n].fill(0.0);
@@ -82,7 +82,7 @@ impl Nodes {
         for k in 0..N {
             let node = base + offsets[k];
             let s = self.slot[node as usize];
-            slots[k] = if s == NONE { self.activate(node) } else { s as usize };
+            slots[k] = if s == 0 { self.activate(node) } else { s as usize - 1 };
         }
         slots
     }
@@ -93,7 +93,7 @@ impl Nodes {
             self.grow();
         }
         self.id[s] = node;
-        self.slot[node as usize] = s as u32;
+        self.slot[node as usize] = s as u32 + 1;
         self.count += 1;
         self.high_water = self.high_water.max(self.count);
         let place = self.place(node);
@@ -140,7 +140,7 @@ impl Nodes {
     /// Active number of the grid node at a place inside the grid; `None` where it is not active.
     pub fn slot_at(&self, place: [u32; 2]) -> Option<u32> {
         let node = place[1] as usize * self.grid.row() as usize + place[0] as usize;
-        self.slot.get(node).copied().filter(|s| *s != NONE)
+        self.slot.get(node).and_then(|s| s.checked_sub(1))
     }
 
     /// Active nodes on a side.
@@ -153,6 +153,13 @@ impl Nodes {
         let n = self.count;
         let [vx, vy] = &self.velocity;
         self.mass[..n].iter().zip(vx.iter().zip(vy)).map(|(m, (x, y))| 0.5 * m * (x * x + y * y)).sum()
+    }
+
+    /// Bytes held: the columns, and the numbers of the grid nodes from the first active one to the last.
+    pub fn bytes(&self) -> usize {
+        let ids = &self.id[..self.count];
+        let span = ids.iter().max().zip(ids.iter().min()).map_or(0, |(last, first)| (last - first) as usize + 1);
+        14 * 8 * self.mass.capacity() + 4 * self.id.capacity() + 4 * span
     }
 
     /// Times the columns grew, and the largest number of active nodes so far.

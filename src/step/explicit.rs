@@ -412,12 +412,7 @@ impl<S: Shape<N>, const N: usize> Integrator for Explicit<S, N> {
     fn bytes(&self) -> usize {
         let loads: usize = self.point_forces.iter().map(|f| 8 * f.capacity()).sum();
         let averages = self.nonlocal.as_ref().map_or(0, |n| n.bytes());
-        4 * self.nodes.grid.nodes()
-            + 15 * 8 * self.nodes.id.capacity()
-            + loads
-            + averages
-            + self.carrier.bytes()
-            + self.cells.as_ref().map_or(0, |c| c.bytes())
+        self.nodes.bytes() + loads + averages + self.carrier.bytes() + self.cells.as_ref().map_or(0, |c| c.bytes())
     }
 }
 

@@ -212,7 +212,7 @@ impl<S: Shape<N>, const N: usize> Integrator for Implicit<S, N> {
     }
 
     fn bytes(&self) -> usize {
-        let nodes = 4 * self.nodes.grid.nodes() + 15 * 8 * self.nodes.id.capacity();
+        let nodes = self.nodes.bytes();
         let averages = self.nonlocal.as_ref().map_or(0, |n| n.bytes());
         nodes + averages + self.carrier.bytes() + self.kept.bytes() + self.system.bytes() + self.solver.bytes()
     }
