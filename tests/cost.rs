@@ -75,9 +75,25 @@ fn a_budget_of_nothing_skips_what_is_dear_and_says_so() {
 }
 
 #[test]
-fn an_unknown_quantity_is_bad_input() {
+fn what_no_run_can_have_is_bad_input() {
     let folder = TempDir::new().expect("a folder");
-    let done = cost(&folder.path().join("none"), &["--quantity", "tip"]).assert().code(2);
-    let text = String::from_utf8_lossy(&done.get_output().stderr).into_owned();
+    let told = |more: &[&str]| {
+        let done = cost(&folder.path().join("none"), more).assert().code(2);
+        String::from_utf8_lossy(&done.get_output().stderr).into_owned()
+    };
+    let text = told(&["--quantity", "tip"]);
     assert!(text.contains("unknown quantity 'tip'; there are end, sliding_distance"), "{text}");
+    let text = told(&["--jitter=-1"]);
+    assert!(text.contains("jitter.strength=-1.0"), "{text}");
+    let text = told(&["--vary", "foo.bar=1,2"]);
+    assert!(text.contains("unknown key `foo`") && text.contains("--set:1:1"), "{text}");
+}
+
+#[test]
+fn a_scheme_that_is_asked_for_is_the_only_one() {
+    let folder = TempDir::new().expect("a folder");
+    let study = study(&folder.path().join("one"), &["--scheme", "implicit"]);
+    let rows = study["rows"].as_array().expect("rows");
+    // two meshes x three time steps
+    assert!(rows.len() == 2 * 3 && rows.iter().all(|r| r["scheme"] == "implicit"), "{study}");
 }

@@ -50,9 +50,9 @@ pub struct Plan {
     /// Name and text of the case file.
     pub name: String,
     pub text: String,
-    /// `--set` values for all settings.
+    /// `--set` values for all settings; scheme and shape, where they are among these, are not varied.
     pub overrides: Vec<String>,
-    /// Axes that replace the usual ones of their key, or stand beside them.
+    /// Axes that replace the usual ones of their key, or stand beside them; those of one key are one.
     pub vary: Vec<Axis>,
     /// Meshes of the usual ladder: h, h/2, h/4, ...
     pub levels: u32,
@@ -141,13 +141,22 @@ pub struct Study {
     pub remarks: Vec<String>,
 }
 
+impl Study {
+    /// Whether errors are shares of the reference; where that is 0 they are differences, in the unit of the quantity.
+    pub fn is_relative(&self) -> bool {
+        self.reference.as_ref().is_none_or(Reference::is_relative)
+    }
+}
+
 /// Runs the settings, the cheap ones first. `progress` is told how many of how many are done.
 ///
 /// # Errors
-/// A case that cannot be read, an unknown quantity, a case that allows no setting.
+/// A case that cannot be read, an unknown quantity, a jitter out of its range, an axis that the case does not allow or
+/// does not use, a case that allows no setting.
 pub fn cost(plan: &Plan, progress: &dyn Fn(usize, usize)) -> Result<Study, String> {
     let (case, _) = case::read(&plan.name, &plan.text, &plan.overrides).map_err(|e| e.render(false))?;
     let quantity = plan.quantity.as_ref().map_or(Ok(Quantity::of(&case)), |word| Quantity::named(word, &case))?;
+    setting::allowed(plan, format!("jitter.strength={:?}", plan.jitter))?;
     let (settings, refused) = setting::settings(plan, &case)?;
     let results = run_all(plan, &settings, &quantity, progress)?;
     let mut study = Study {
@@ -245,7 +254,10 @@ fn judge(study: &mut Study, plan: &Plan, case: &Case) {
     }
     mark_fronts(&mut study.rows);
     let floor = study.reference.as_ref().and_then(Reference::floor);
-    study.answers = answer::answers(&study.rows, study.quantity.name(), floor);
+    // a target is a share of the reference
+    if study.is_relative() {
+        study.answers = answer::answers(&study.rows, study.quantity.name(), floor);
+    }
     study.remarks = table::remarks(study, plan);
 }
 

@@ -24,7 +24,7 @@ pub fn draw(path: &Path, study: &Study) -> io::Result<()> {
 }
 
 fn panel(study: &Study, cost_label: &str, cost: Cost, on_front: fn(&Row) -> bool) -> SeriesPlot {
-    let percent = study.reference.as_ref().is_none_or(super::Reference::is_relative);
+    let percent = study.is_relative();
     let error = if percent { "error (%)".to_owned() } else { format!("error ({})", study.quantity.unit()) };
     let scale = if percent { 100.0 } else { 1.0 };
     let mut families: Vec<&str> = Vec::new();

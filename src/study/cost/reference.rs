@@ -18,7 +18,7 @@ pub enum Basis {
     Exact,
     /// The limit of a ladder of meshes with a clean rate.
     Richardson,
-    /// The run with the smallest cells and, among these, the most steps; its own error is not known.
+    /// The run with the smallest cells and, among these, the most steps; its own error is known by other runs alone.
     FinestRun,
 }
 
@@ -66,7 +66,7 @@ pub struct Ladder {
     pub order: Option<f64>,
     /// The limit, where the rate is clean.
     pub limit: Option<f64>,
-    /// Whether no other ladder has a finer time step, and all else alike.
+    /// Whether no other ladder of three meshes has a finer time step, and all else alike.
     pub finest_step: bool,
 }
 
@@ -87,16 +87,19 @@ pub fn ladders(points: &[Point<'_>]) -> Vec<Ladder> {
     // in the order of the settings, not of the names
     let mut found: Vec<Vec<&Point<'_>>> = by_name.into_values().filter(|ladder| ladder.len() > 1).collect();
     found.sort_by_key(|ladder| points.iter().position(|p| std::ptr::eq(p, ladder[0])));
-    found.iter().map(|ladder| one(ladder, points)).collect()
+    // finer steps on fewer meshes give no limit in their place
+    let whole: Vec<&Point<'_>> = found.iter().filter(|ladder| ladder.len() > 2).flatten().copied().collect();
+    found.iter().map(|ladder| one(ladder, &whole)).collect()
 }
 
-fn one(ladder: &[&Point<'_>], points: &[Point<'_>]) -> Ladder {
+/// One ladder, beside the points of all that have three meshes.
+fn one(ladder: &[&Point<'_>], whole: &[&Point<'_>]) -> Ladder {
     let mut steps = ladder.to_vec();
     steps.sort_by(|a, b| b.setting.case.grid.cell.total_cmp(&a.setting.case.grid.cell));
     let cells: Vec<f64> = steps.iter().map(|p| p.setting.case.grid.cell).collect();
     let values: Vec<f64> = steps.iter().map(|p| p.value).collect();
     let order = finest(&cells).zip(finest(&values)).and_then(|(h, v)| richardson::order(h, v));
-    let coarser = |p: &Point<'_>| points.iter().any(|q| q.setting.refines(p.setting) && same_mesh(p, q));
+    let coarser = |p: &Point<'_>| whole.iter().any(|q| q.setting.refines(p.setting) && same_mesh(p, q));
     Ladder {
         setting: steps[0].setting.ladder(),
         order,
@@ -129,7 +132,7 @@ pub fn reference(exact: Option<(f64, String)>, ladders: &[Ladder], points: &[Poi
         let source = format!("exact value of the case ({source})");
         return Some(Reference { basis: Basis::Exact, value, uncertainty: Some(0.0), source, setting: None });
     }
-    richardson(ladders).or_else(|| finest_run(points))
+    richardson(ladders).or_else(|| finest_run(ladders, points))
 }
 
 /// Of the clean ladders with the finest steps the one whose finest run is nearest to its limit. How far the limits
@@ -150,16 +153,28 @@ fn richardson(ladders: &[Ladder]) -> Option<Reference> {
     Some(Reference { basis: Basis::Richardson, value: chosen.1, uncertainty, source, setting: None })
 }
 
-fn finest_run(points: &[Point<'_>]) -> Option<Reference> {
+fn finest_run(ladders: &[Ladder], points: &[Point<'_>]) -> Option<Reference> {
     let cell = |p: &Point<'_>| p.setting.case.grid.cell;
-    let finer = |a: &&Point<'_>, b: &&Point<'_>| cell(b).total_cmp(&cell(a)).then(a.steps.cmp(&b.steps));
-    let point = points.iter().max_by(finer)?;
+    let mut order: Vec<&Point<'_>> = points.iter().collect();
+    order.sort_by(|a, b| cell(a).total_cmp(&cell(b)).then(b.steps.cmp(&a.steps)));
+    let (point, others) = order.split_first()?;
     let label = point.setting.label();
     Some(Reference {
         basis: Basis::FinestRun,
         value: point.value,
-        uncertainty: None,
-        source: format!("finest run, {label}: its own error is not known"),
+        uncertainty: doubt(point, others, ladders),
+        source: format!("finest run, {label}: what its own error is can only be guessed from the other runs"),
         setting: Some(label),
     })
+}
+
+/// How far the finest run may be off: by how much it misses the limits of clean ladders. With none, how far the next
+/// finest run lies from it, or the next coarser one of its own ladder, as two of one mesh tell little; `None` where
+/// there is no other run.
+fn doubt(finest: &Point<'_>, others: &[&Point<'_>], ladders: &[Ladder]) -> Option<f64> {
+    let far = |value: f64| (value - finest.value).abs();
+    let limits = ladders.iter().filter_map(|l| l.limit).map(far).reduce(f64::max);
+    let own = others.iter().find(|p| p.setting.ladder() == finest.setting.ladder());
+    let next = others.first().into_iter().chain(own).map(|p| far(p.value));
+    limits.or_else(|| next.reduce(f64::max))
 }

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use super::Plan;
 use crate::{
-    case::{self, Case, Scheme, ShapeFunctions},
+    case::{self, Case, Diagnostics, Scheme, ShapeFunctions},
     study::digits::figure,
 };
 
@@ -47,37 +47,103 @@ pub struct Refused {
     pub why: String,
 }
 
-/// All settings of a plan, in the order of its axes.
+/// All settings of a plan, in the order of its axes; those that come to the same case once.
 ///
 /// # Errors
-/// What is wrong with the case where it allows no setting at all.
+/// What is wrong with a value of the plan's own axes that no setting can have; a key of theirs that no setting has;
+/// what is wrong with the first setting where the case allows none.
 pub fn settings(plan: &Plan, case: &Case) -> Result<(Vec<Setting>, Vec<Refused>), String> {
-    let (mut settings, mut refused) = (Vec::new(), Vec::new());
-    for keys in combinations(&axes(plan, case), word_of(case.solver.scheme)) {
-        match read(plan, &keys) {
+    let (mut settings, mut refused): (Vec<Setting>, Vec<(String, Diagnostics)>) = (Vec::new(), Vec::new());
+    let combinations = combinations(&axes(plan, case), word_of(case.solver.scheme));
+    without_use(plan, &combinations)?;
+    for keys in combinations {
+        match read(plan, overrides(&keys)) {
+            Ok(case) if settings.iter().any(|s| s.case == case) => {}
             Ok(case) => settings.push(Setting { keys, case }),
-            Err(why) => refused.push(Refused { label: label(&keys), why }),
+            Err(errors) => refused.push((label(&keys), errors)),
         }
     }
-    match (settings.is_empty(), refused.first()) {
-        (true, Some(first)) => Err(format!("no setting is allowed; {}: {}", first.label, first.why)),
-        _ => Ok((settings, refused)),
+    impossible(plan, &settings)?;
+    match refused.first() {
+        Some((label, errors)) if settings.is_empty() => {
+            Err(format!("no setting is allowed, such as {label}:\n{}", errors.render(false)))
+        }
+        _ => Ok((
+            settings,
+            refused.into_iter().map(|(label, errors)| Refused { label, why: message(&errors) }).collect(),
+        )),
     }
+}
+
+fn message(errors: &Diagnostics) -> String {
+    errors.errors().first().map(|e| e.message.clone()).unwrap_or_default()
+}
+
+/// An axis of the plan whose key stands in no combination.
+fn without_use(plan: &Plan, combinations: &[Vec<(String, String)>]) -> Result<(), String> {
+    let has = |axis: &Axis| combinations.iter().flatten().any(|(key, _)| *key == axis.key);
+    match plan.vary.iter().find(|axis| !has(axis)) {
+        Some(Axis { key, .. }) => Err(format!(
+            "no setting has {key}: its scheme is not run, or a fixed time step stands in the place of the Courant number"
+        )),
+        None => Ok(()),
+    }
+}
+
+/// A value of the plan's axes that is in no setting, nor allowed by itself.
+fn impossible(plan: &Plan, settings: &[Setting]) -> Result<(), String> {
+    let pairs = plan.vary.iter().flat_map(|a| a.values.iter().map(|v| (a.key.clone(), v.clone())));
+    let mut absent = pairs.filter(|pair| !settings.iter().any(|s| s.keys.contains(pair)));
+    absent.try_for_each(|(key, value)| allowed(plan, format!("{key}={value}")))
+}
+
+/// Whether the case can be read with one key changed.
+///
+/// # Errors
+/// What the reader says.
+pub fn allowed(plan: &Plan, set: String) -> Result<(), String> {
+    read(plan, [set]).map(|_| ()).map_err(|e| e.render(false))
 }
 
 /// The usual axes, those that the plan sets itself in their place, and its further ones.
 fn axes(plan: &Plan, case: &Case) -> Vec<Axis> {
     let mut axes = usual(case, plan.levels);
-    for axis in &plan.vary {
+    for (key, own) in [("solver.scheme", word_of(case.solver.scheme)), ("solver.shape", case.solver.shape.word())] {
+        let chosen = axes.iter_mut().filter(|a| a.key == key && plan.overrides.iter().any(|set| sets(set, key)));
+        chosen.for_each(|a| a.values = vec![own.to_owned()]);
+    }
+    for axis in merged(&plan.vary) {
         match axes.iter_mut().find(|a| a.key == axis.key) {
-            Some(usual) => usual.values.clone_from(&axis.values),
-            None => axes.push(axis.clone()),
+            Some(usual) => *usual = axis,
+            None => axes.push(axis),
         }
     }
     // a fixed step takes the place of the Courant number
     let fixed = plan.vary.iter().any(|a| a.key == "explicit.time_step");
     axes.retain(|a| a.key != "explicit.courant" || !fixed);
     axes
+}
+
+/// Axes with the values of one key together, each once.
+pub fn merged(vary: &[Axis]) -> Vec<Axis> {
+    let mut axes: Vec<Axis> = Vec::new();
+    for Axis { key, values } in vary {
+        if !axes.iter().any(|a| a.key == *key) {
+            axes.push(Axis::new(key, Vec::new()));
+        }
+        for axis in axes.iter_mut().filter(|a| a.key == *key) {
+            let new: Vec<String> = values.iter().filter(|v| !axis.values.contains(v)).cloned().collect();
+            axis.values.extend(new);
+        }
+    }
+    axes
+}
+
+/// Whether an override sets a key, or the table that holds it.
+fn sets(set: &str, key: &str) -> bool {
+    let path = set.split('=').next().unwrap_or_default().split('.').map(|part| part.trim().trim_matches('"'));
+    let path = path.collect::<Vec<_>>().join(".");
+    key.strip_prefix(&path).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
 }
 
 /// Both schemes; the shapes that need no reason; h and its halves; time steps a factor of 4 apart in the implicit
@@ -124,10 +190,9 @@ fn extended(keys: Vec<(String, String)>, axis: &Axis, own_scheme: &str) -> Vec<V
     axis.values.iter().map(with).collect()
 }
 
-fn read(plan: &Plan, keys: &[(String, String)]) -> Result<Case, String> {
-    let overrides: Vec<String> = plan.overrides.iter().cloned().chain(overrides(keys)).collect();
-    let read = case::read(&plan.name, &plan.text, &overrides);
-    read.map(|(case, _)| case).map_err(|e| e.errors().first().map(|e| e.message.clone()).unwrap_or_default())
+fn read(plan: &Plan, sets: impl IntoIterator<Item = String>) -> Result<Case, Diagnostics> {
+    let overrides: Vec<String> = plan.overrides.iter().cloned().chain(sets).collect();
+    case::read(&plan.name, &plan.text, &overrides).map(|(case, _)| case)
 }
 
 /// `KEY=VALUE`, as for `--set`.

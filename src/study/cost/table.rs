@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::{
     Basis, Plan, Row, SHORT, Skipped, Study,
     answer::{figure_of_two, seconds},
-    setting::is_numerical,
+    setting::{is_numerical, merged},
 };
 use crate::{
     case::Scheme,
@@ -19,10 +19,11 @@ pub fn table(study: &Study) -> String {
     let mut text = String::new();
     // writing to a string does not fail
     let _ = heading(&mut text, study);
+    let error = if study.is_relative() { "error (%)" } else { "error" };
     let _ = writeln!(
         text,
         "{:<width$} {:>12} {:>10} {:>9} {:>9} {:>14} {:>8} {:>11}  front",
-        "setting", "value", "error (%)", "CPU (s)", "steps", "particle-steps", "Newton", "law blocks"
+        "setting", "value", error, "CPU (s)", "steps", "particle-steps", "Newton", "law blocks"
     );
     study.rows.iter().for_each(|row| text += &line(row, width, study));
     skipped(&mut text, &study.skipped);
@@ -47,8 +48,7 @@ fn heading(text: &mut String, study: &Study) -> std::fmt::Result {
 
 fn line(row: &Row, width: usize, study: &Study) -> String {
     let number = |v: Option<f64>, f: fn(f64) -> String| v.map_or("-".to_owned(), f);
-    let percent = study.reference.as_ref().is_none_or(super::Reference::is_relative);
-    let error = row.error.map(|e| if percent { 100.0 * e } else { e });
+    let error = row.error.map(|e| if study.is_relative() { 100.0 * e } else { e });
     let spread = row.runs.map(|r| format!("  {} runs from {:.2} to {:.2}", r.n, r.min, r.max)).unwrap_or_default();
     let mut marks = if row.on_front { "*" } else { "" }.to_owned();
     if row.is_reference {
@@ -103,13 +103,20 @@ pub fn remarks(study: &Study, plan: &Plan) -> Vec<String> {
         super::workers::count(plan.threads)
     )];
     text.extend(reference(study));
+    if !study.is_relative() {
+        text.push(
+            "the reference is 0: there are no shares, so errors are differences and no setting is named for a share"
+                .to_owned(),
+        );
+    }
     if study.statistical {
         text.push(format!(
             "{} is a draw of chance: values are medians of {} runs whose strengths differ by +-{} %. The error is statistical; differences below the spread of the runs mean nothing, and no rate of convergence is looked for",
             study.quantity.name(), plan.runs, 100.0 * plan.jitter
         ));
     }
-    let physical: Vec<&str> = plan.vary.iter().map(|a| a.key.as_str()).filter(|key| !is_numerical(key)).collect();
+    let keys = merged(&plan.vary).into_iter().map(|axis| axis.key);
+    let physical: Vec<String> = keys.filter(|key| !is_numerical(key)).collect();
     if !physical.is_empty() {
         text.push(format!(
             "{} may change the problem itself: its values have one reference all the same",
@@ -118,10 +125,7 @@ pub fn remarks(study: &Study, plan: &Plan) -> Vec<String> {
     }
     let count = |status: Status| study.rows.iter().filter(|r| r.status == status).count();
     if count(Status::Failed) > 0 {
-        text.push(format!(
-            "settings that failed, being too coarse or their steps too long: {}; they have no error",
-            count(Status::Failed)
-        ));
+        text.push(format!("settings that failed: {}; the table gives each its reason", count(Status::Failed)));
     }
     if count(Status::ResourceCap) > 0 {
         text.push(format!(
@@ -141,11 +145,17 @@ fn reference(study: &Study) -> Option<String> {
             "the reference is extrapolated from the runs themselves (Richardson), not exact: an error common to all runs does not show"
                 .to_owned(),
         ),
-        Basis::FinestRun => Some(
-            "the reference is the finest run, as no ladder of three meshes shows a clean rate: errors near its own are too small"
-                .to_owned(),
-        ),
+        Basis::FinestRun => Some(finest_run(study)),
     }
+}
+
+fn finest_run(study: &Study) -> String {
+    let why = match study.ladders.iter().any(|l| l.limit.is_some()) {
+        _ if study.statistical => "no limit is looked for",
+        true => "a clean rate shows only where the time steps are not the finest",
+        false => "no ladder of three meshes shows a clean rate",
+    };
+    format!("the reference is the finest run, as {why}: errors near its own are too small")
 }
 
 /// Where one scheme answers with inertia and the other without.

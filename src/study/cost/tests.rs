@@ -44,7 +44,12 @@ fn rows(plan: &Plan, run: impl Fn(&Setting) -> (f64, f64)) -> Vec<Row> {
 
 fn judged(rows: &mut [Row], value: f64) -> Vec<Answer> {
     rows.iter_mut().for_each(|r| r.error = r.value.map(|v| (v - value).abs() / value));
-    answer::answers(rows, "tip", None)
+    answer::answers(rows, "tip", Some(0.0))
+}
+
+fn refused(plan: &Plan) -> String {
+    let (case, _) = case::read(&plan.name, &plan.text, &plan.overrides).unwrap();
+    settings(plan, &case).unwrap_err()
 }
 
 #[test]
@@ -52,12 +57,53 @@ fn usual_settings_are_those_that_the_case_allows() {
     // 3 meshes x 2 shapes x (2 Courant numbers, 3 time steps)
     assert_eq!(all(&plan(&[])).len(), 3 * (ShapeFunctions::ALL.len() - 1) * (2 + 3));
     let mut small = plan(&[("solver.shape", &["linear"]), ("points.per_axis", &["2", "3"])]);
-    small.overrides.extend(["solver.scheme=implicit", "solver.kinematics=small"].map(str::to_owned));
+    small.text += "[solver]\nscheme = \"implicit\"\nkinematics = \"small\"\n";
     let (case, _) = case::read(&small.name, &small.text, &small.overrides).unwrap();
     let (settings, refused) = settings(&small, &case).unwrap();
     assert_eq!((settings.len(), refused.len()), (3 * 2 * 3, 3 * 2 * 2));
     assert!(refused[0].why.contains("kinematics"), "{}", refused[0].why);
     assert_eq!(settings[0].label(), "implicit, linear, h = 1, dt = 0.08, per_axis = 2");
+}
+
+#[test]
+fn an_override_of_scheme_or_shape_holds_for_all_settings() {
+    let mut plan = plan(&[]);
+    plan.overrides.extend(["solver.scheme=implicit", "solver.shape=linear"].map(str::to_owned));
+    // 3 meshes x 3 time steps
+    let settings = all(&plan);
+    assert_eq!(settings.len(), 3 * 3);
+    assert!(settings.iter().all(|s| s.family() == "implicit, linear"), "{}", settings[0].label());
+    plan.overrides.push("solver={scheme='explicit'}".to_owned());
+    assert!(all(&plan).iter().all(|s| s.case.solver.scheme == Scheme::Explicit));
+}
+
+#[test]
+fn values_of_one_key_come_together_and_each_once() {
+    let twice = [("solver.shape", &["linear", "gimp"][..]), ("points.per_axis", &["2", "2"][..])];
+    let mut plan = plan(&[twice[0], ("solver.shape", &["bspline", "linear"]), twice[1]]);
+    let shapes = |plan: &Plan| {
+        let mut words: Vec<&str> = all(plan).iter().map(|s| s.case.solver.shape.word()).collect();
+        words.dedup();
+        (words, all(plan).len())
+    };
+    let (words, count) = shapes(&plan);
+    assert_eq!(words, ["linear", "gimp", "bspline", "linear", "gimp", "bspline"]);
+    assert_eq!(count, 3 * 3 * (2 + 3));
+    // 0.9 is the largest usual Courant number: there is one
+    plan.overrides.push("explicit.courant=0.9".to_owned());
+    assert_eq!(shapes(&plan).1, 3 * 3 * (1 + 3));
+}
+
+#[test]
+fn a_wish_that_no_setting_can_have_is_told_as_by_the_reader() {
+    let told = refused(&plan(&[("foo.bar", &["1", "2"])]));
+    assert!(told.contains("unknown key `foo`") && told.contains("--set:1:1") && !told.contains("foo.bar=2"), "{told}");
+    let told = refused(&plan(&[("solver.shape", &["linear", "cubic"])]));
+    assert!(told.contains("solver.shape=cubic") && told.contains("--set:1:14"), "{told}");
+    let told = refused(&plan(&[("solver.scheme", &["implicit"]), ("explicit.courant", &["0.5"])]));
+    assert!(told.contains("no setting has explicit.courant"), "{told}");
+    let told = cost(&Plan { jitter: -1.0, ..plan(&[]) }, &|_, _| {}).unwrap_err();
+    assert!(told.contains("jitter.strength=-1.0") && told.contains("0.5"), "{told}");
 }
 
 #[test]
@@ -90,6 +136,40 @@ fn a_clean_ladder_gives_its_order_and_limit() {
     assert_eq!((exact.basis, exact.value), (Basis::Exact, 2.5));
 }
 
+/// value = 2 + 0.3 h^2 + dt: steps of 0.005 s on the coarsest mesh alone give no limit in place of that with 0.02 s.
+#[test]
+fn finer_steps_on_coarse_meshes_alone_hide_no_limit() {
+    let all = all(&plan(&[("solver.shape", &["gimp"]), ("solver.scheme", &["implicit"])]));
+    let step = |s: &Setting| s.case.implicit.time_step;
+    let ran = all.iter().filter(|s| step(s) > 0.01 || s.case.grid.cell == 1.0);
+    let value = |s: &Setting| 2.0 + 0.3 * s.case.grid.cell.powi(2) + step(s);
+    let points: Vec<Point<'_>> = ran.map(|s| Point { setting: s, value: value(s), steps: 1 }).collect();
+    assert_eq!(points.len(), 3 + 3 + 1);
+    let found = reference(None, &ladders(&points), &points).unwrap();
+    assert_eq!(found.basis, Basis::Richardson);
+    assert!((found.value - 2.02).abs() < 1e-12, "{}", found.value);
+}
+
+/// Steps of 0.02 s have the limit 2.02, those of 0.005 s none; the finest run, of these, gives 2.5.
+#[test]
+fn a_finest_run_is_doubted_by_the_limits_beside_it() {
+    let all = all(&plan(&[("solver.shape", &["gimp"]), ("solver.scheme", &["implicit"])]));
+    let value = |s: &Setting| {
+        let (h, dt) = (s.case.grid.cell, s.case.implicit.time_step);
+        let wild = if h > 0.7 || h < 0.3 { 2.5 } else { 1.0 };
+        if dt < 0.01 { wild } else { 2.0 + 0.3 * h * h + dt }
+    };
+    let points: Vec<Point<'_>> = all
+        .iter()
+        .map(|s| Point { setting: s, value: value(s), steps: (1.0 / s.case.implicit.time_step) as u64 })
+        .collect();
+    let ladders = ladders(&points);
+    let found = reference(None, &ladders, &points).unwrap();
+    assert_eq!(found.basis, Basis::FinestRun);
+    // the limit with steps of 0.02 s lies 0.48 below, that with 0.08 s 0.42
+    assert!((found.uncertainty.unwrap() - 0.48).abs() < 1e-12, "{:?}", found.uncertainty);
+}
+
 #[test]
 fn without_a_clean_rate_the_finest_run_is_the_reference() {
     let all = all(&plan(&[("solver.shape", &["gimp"])]));
@@ -97,13 +177,19 @@ fn without_a_clean_rate_the_finest_run_is_the_reference() {
     let points: Vec<Point<'_>> =
         all.iter().zip(0..).map(|(s, k)| Point { setting: s, value: value(s), steps: k }).collect();
     let found = reference(None, &ladders(&points), &points).unwrap();
-    assert_eq!((found.basis, found.uncertainty), (Basis::FinestRun, None));
+    assert_eq!(found.basis, Basis::FinestRun);
     assert_eq!(found.setting, Some("implicit, gimp, h = 0.25, dt = 0.005".to_owned()));
+    // the next finest run has the same mesh and value; h = 0.5 tells more
+    assert!((found.uncertainty.unwrap() - (4.5f64.sin() - 2.25f64.sin()).abs()).abs() < 1e-12);
+    let alone = reference(None, &[], &points[..1]).unwrap();
+    assert_eq!((alone.uncertainty, alone.floor()), (None, None));
 }
 
 #[test]
 fn answers_name_the_cheapest_setting_and_the_ratio() {
-    let plan = plan(&[("solver.shape", &["gimp"]), ("explicit.courant", &["0.25"]), ("implicit.time_step", &["0.02"])]);
+    let vary: [(&str, &[&str]); 3] =
+        [("solver.shape", &["gimp"]), ("explicit.courant", &["0.25"]), ("implicit.time_step", &["0.02"])];
+    let plan = Plan { levels: 4, ..plan(&vary) };
     // both err by 0.08 h^2; explicit 1 / h^3 s, implicit 0.2 / h^2 s
     let mut rows = rows(&plan, |s| {
         let h = s.case.grid.cell;
@@ -129,8 +215,45 @@ fn an_error_that_is_small_by_chance_is_no_answer() {
     let value = |h: f64| if h > 0.7 { 1.0 } else { 1.0 + 0.03 * h };
     let mut rows = rows(&plan, |s| (value(s.case.grid.cell), 1.0 / s.case.grid.cell));
     let answers = judged(&mut rows, 1.0);
-    assert!(answers[1].picks[0].setting.contains("h = 0.25"), "{}", answers[1].text);
+    let pick = &answers[1].picks[0];
+    assert!(pick.setting.contains("h = 0.25") && !pick.checked, "{}", answers[1].text);
+    assert!(answers[1].text.contains("unchecked: no run refines it"), "{}", answers[1].text);
     assert!(answers[2].picks.is_empty());
+    let unknown = answer::answers(&rows, "tip", None);
+    let doubted: Vec<bool> = unknown.iter().map(|a| a.text.contains("not to be relied on")).collect();
+    assert_eq!(doubted, [false, true, true]);
+}
+
+/// Errors of 2 %, 0.5 % and 0 with h = 1, 0.5, 0.25.
+#[test]
+fn neither_the_reference_nor_a_run_that_failed_checks_a_setting() {
+    let plan =
+        plan(&[("solver.shape", &["gimp"]), ("solver.scheme", &["implicit"]), ("implicit.time_step", &["0.02"])]);
+    let error = |h: f64| if h < 0.3 { 0.0 } else { 0.02 * h * h };
+    let mut rows = rows(&plan, |s| (1.0 + error(s.case.grid.cell), 1.0 / s.case.grid.cell));
+    let first = |answers: &[Answer], k: usize| answers[k].picks.first().map(|p| (p.setting.clone(), p.checked));
+    let named = |h: &str| format!("implicit, gimp, h = {h}, dt = 0.02");
+    let answers = judged(&mut rows, 1.0);
+    assert_eq!(first(&answers, 0), Some((named("1"), true)));
+    assert_eq!(first(&answers, 1), Some((named("0.5"), true)));
+    rows[2].is_reference = true;
+    let answers = judged(&mut rows, 1.0);
+    assert_eq!(first(&answers, 0), Some((named("1"), true)));
+    assert_eq!(first(&answers, 1), Some((named("0.5"), false)));
+    rows[1].fault = Some("a step is too long".to_owned());
+    let answers = judged(&mut rows, 1.0);
+    assert_eq!((first(&answers, 0), first(&answers, 1)), (None, None), "{}", answers[0].text);
+}
+
+/// No energy is lost to plasticity in an elastic bar.
+#[test]
+fn there_are_no_shares_of_a_reference_of_zero() {
+    let mut plan = Plan { levels: 1, quantity: Some("plastic".to_owned()), ..plan(&[("solver.shape", &["linear"])]) };
+    plan.overrides.push("end.time=0.1".to_owned());
+    let study = cost(&plan, &|_, _| {}).unwrap();
+    assert!(study.rows.iter().all(|r| r.error == Some(0.0)) && study.answers.is_empty());
+    let text = table(&study);
+    assert!(text.contains("the reference is 0: there are no shares") && !text.contains("error (%)"), "{text}");
 }
 
 #[test]
