@@ -18,6 +18,7 @@ const REGIMES: &[&str] = &["auto", "quasi_static", "newmark", "hht", "backward_e
 const INERTIA: &[&str] = &["newmark", "hht", "backward_euler"];
 const LAYOUTS: &[&str] = &["gauss", "even"];
 const CUT_CELLS: &[&str] = &["full", "inside", "scaled"];
+const SYMMETRIC: &[&str] = &["auto", "direct", "pcg"];
 const UNSYMMETRIC: &[&str] = &["auto", "lu", "gmres"];
 const ORDERINGS: &[&str] = &["auto", "amd", "nested_dissection"];
 const REGULARISATIONS: &[&str] = &["none", "none", "fracture_energy", "nonlocal"];
@@ -186,10 +187,14 @@ fn implicit(draw: &mut Draw, f: &Frame, pic: &str) -> String {
     if regime == "auto" {
         let _ = writeln!(s, "inertia = \"{}\"", draw.pick(INERTIA));
     }
-    let (ordering, unsymmetric) = (draw.pick(ORDERINGS), draw.pick(UNSYMMETRIC));
+    let (ordering, symmetric) = (draw.pick(ORDERINGS), draw.pick(SYMMETRIC));
+    let unsymmetric = draw.pick(UNSYMMETRIC);
     let _ = writeln!(s, "time_step = {:?}\nmin_time_step = {:?}", f.step, f.step / 16.0);
-    let _ =
-        writeln!(s, "ordering = \"{ordering}\"\nunsymmetric = \"{unsymmetric}\"\nline_search = {}", draw.chance(0.8));
+    let _ = writeln!(
+        s,
+        "ordering = \"{ordering}\"\nsymmetric = \"{symmetric}\"\nunsymmetric = \"{unsymmetric}\"\nline_search = {}",
+        draw.chance(0.8)
+    );
     if draw.chance(0.2) {
         let _ = writeln!(s, "tolerance = {:?}", draw.spread(1e-6, 1e-1));
     }
