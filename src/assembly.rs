@@ -173,7 +173,13 @@ pub fn spread<const N: usize, const C: usize>(
             continue;
         }
         let slots = run.slots.map(|s| s as usize);
-        let values: [[f64; N]; C] = std::array::from_fn(|c| slots.map(|slot| columns[c][slot]));
+        // plain loops: closures of arrays were compiled apart, as calls for each run
+        let mut values = [[0.0; N]; C];
+        for c in 0..C {
+            for k in 0..N {
+                values[c][k] = columns[c][slots[k]];
+            }
+        }
         let mut i = start;
         while i < end {
             for c in 0..C {
@@ -203,7 +209,12 @@ fn fan_out<const N: usize>(nodal: &mut Spread<N>, run: Range<usize>, values: [f6
 #[inline(always)]
 pub fn collect<const N: usize, const C: usize>(shares: &[Patch<N>], run: &RunPatch<N>) -> [[f64; N]; C] {
     let (start, end) = (run.start as usize % LANES, (run.end as usize).min(LANES));
-    let mut sum: [[f64; N]; C] = std::array::from_fn(|c| std::array::from_fn(|k| shares[c].0[k][start]));
+    let mut sum = [[0.0; N]; C];
+    for c in 0..C {
+        for k in 0..N {
+            sum[c][k] = shares[c].0[k][start];
+        }
+    }
     for i in start + 1..end {
         for c in 0..C {
             for k in 0..N {
