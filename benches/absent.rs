@@ -116,10 +116,12 @@ fn written_out(steps: usize) {
 
 fn hand_step(body: &mut Body, nodes: &mut Nodes, scratch: &mut Scratch<4>, path: FpPath) {
     nodes.begin();
-    path.run(Scatter { scratch, body, nodes, cells: None, shape: Linear });
+    path.run(Scatter { scratch, body, nodes, cells: None, stretch: 0..body.len(), shape: Linear });
     std::hint::black_box(move_nodes(nodes));
-    let pass = Push { scratch, body, nodes, dt: DT, remap: true, shape: Linear };
-    Carrier::new(Transfer::Flip { pic_rate: 0.0 }).push(pass, path).expect("points stay");
+    body.apart(|body, part| {
+        let pass = Push { scratch, body, part, nodes, dt: DT, remap: true, shape: Linear };
+        Carrier::new(Transfer::Flip { pic_rate: 0.0 }).push(pass, path).expect("points stay");
+    });
     let n = nodes.count;
     for axis in 0..2 {
         let Nodes { strain_velocity, momentum, mass, .. } = &mut *nodes;
@@ -128,7 +130,10 @@ fn hand_step(body: &mut Body, nodes: &mut Nodes, scratch: &mut Scratch<4>, path:
         }
     }
     roll(nodes, |n| &mut n.strain_velocity);
-    path.run(Strain { scratch, body, nodes, cells: None, dt: DT, shape: Linear }).expect("points keep their shape");
+    body.apart(|body, part| {
+        let pass = Strain { scratch, body, part, nodes, cells: None, dt: DT, shape: Linear };
+        path.run(pass).expect("points keep their shape");
+    });
     body.commit();
 }
 

@@ -16,7 +16,11 @@ use cells::CellMeans;
 
 use crate::{
     block::Block,
-    body::{Body, Group, chunks, load, load_state, set_uniform, store},
+    body::{
+        Body, Group, Part, chunks, load, load_state,
+        part::{common, store_all},
+        set_uniform, store,
+    },
     domain,
     fault::{Fault, FaultKind},
     math::simd::Kernel,
@@ -80,6 +84,11 @@ impl<const N: usize> BodyRuns<N> {
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         self.runs.is_empty()
+    }
+
+    /// Bytes in use.
+    pub fn bytes(&self) -> usize {
+        size_of::<RunPatch<N>>() * self.runs.len() + 4 * self.ends.len()
     }
 
     /// The runs of block `b`.
@@ -247,8 +256,10 @@ pub struct Scatter<'a, S, const N: usize> {
     pub scratch: &'a mut Scratch<N>,
     pub body: &'a Body,
     pub nodes: &'a mut Nodes,
-    /// Where the mean stress is smoothed over cells.
+    /// Where the mean stress is smoothed over cells; the stretch is then the whole body.
     pub cells: Option<&'a mut CellMeans>,
+    /// The points of the pass: whole blocks.
+    pub stretch: Range<usize>,
     pub shape: S,
 }
 
@@ -257,15 +268,15 @@ impl<S: Shape<N>, const N: usize> Kernel for Scatter<'_, S, N> {
 
     #[inline(always)]
     fn run(self) {
-        let Scatter { scratch: s, body, nodes, mut cells, .. } = self;
+        let Scatter { scratch: s, body, nodes, mut cells, stretch, .. } = self;
         let offsets = S::offsets(nodes.grid.row());
-        s.runs.begin(body.len());
+        s.runs.begin(stretch.len());
         if let Some(cells) = &mut cells {
             mean_stresses(s, body, &nodes.grid, cells);
         }
         for group in &body.groups {
             set_uniform(&mut s.block, group);
-            for range in chunks(group.range.clone()) {
+            for range in chunks(common(&group.range, &stretch)) {
                 place::<S, N>(s, body, nodes, &range);
                 load_state(&mut s.block, group, &body.committed, &range);
                 group.law.stress(&mut s.block);
@@ -337,13 +348,14 @@ fn shares<const N: usize>(s: &mut Scratch<N>) {
     }
 }
 
-/// Strains the body with the nodes' strain velocity over `dt` and applies the laws; trial
+/// Strains a part of the body with the nodes' strain velocity over `dt` and applies the laws; trial
 /// strain, J and history are written, and the plastic work of the step (kJ/m) is returned.
 pub struct Strain<'a, S, const N: usize> {
     pub scratch: &'a mut Scratch<N>,
-    pub body: &'a mut Body,
+    pub body: &'a Body,
+    pub part: Part<'a>,
     pub nodes: &'a Nodes,
-    /// Where the dilatation is smoothed over cells.
+    /// Where the dilatation is smoothed over cells; the part is then the whole body.
     pub cells: Option<&'a mut CellMeans>,
     pub dt: f64,
     pub shape: S,
@@ -354,32 +366,33 @@ impl<S: Shape<N>, const N: usize> Kernel for Strain<'_, S, N> {
 
     #[inline(always)]
     fn run(self) -> Self::Output {
-        let Strain { scratch: s, body, nodes, mut cells, dt, .. } = self;
+        let Strain { scratch: s, body, mut part, nodes, mut cells, dt, .. } = self;
         let [vx, vy] = &nodes.strain_velocity;
         let (mut plastic_work, mut block) = (0.0, 0);
         if let Some(cells) = &mut cells {
             mean_dilatations::<S, N>(s, body, nodes, cells, dt)?;
         }
-        for g in 0..body.groups.len() {
-            set_uniform(&mut s.block, &body.groups[g]);
-            for range in chunks(body.groups[g].range.clone()) {
+        for group in &body.groups {
+            set_uniform(&mut s.block, group);
+            for range in chunks(common(&group.range, &part.range)) {
                 // first, so that what it writes is in the cache when it is read
                 spread(s.runs.of(block), &mut s.nodal, [vx, vy]);
                 place::<S, N>(s, body, nodes, &range);
                 block += 1;
                 gradient(s, dt);
                 if S::DOMAIN {
-                    domain::deform(body, &s.block.du, &range);
+                    let new = domain::deformed(body, &s.block.du, &range);
+                    let local = part.local(&range);
+                    store_all(&new, &mut part.deformation, &local);
                 }
                 if let Some(cells) = &mut cells {
-                    let law = body.groups[g].law.as_ref();
-                    cells.level_strain(&nodes.grid, &s.x.0, law, &mut s.block, range.len());
+                    cells.level_strain(&nodes.grid, &s.x.0, group.law.as_ref(), &mut s.block, range.len());
                 }
-                load_point_state(&mut s.block, &body.groups[g], body, &range);
-                if let Err(fault) = body.groups[g].law.advance(&mut s.block) {
+                load_point_state(&mut s.block, group, body, &range);
+                if let Err(fault) = group.law.advance(&mut s.block) {
                     return Err(body.blame(fault, range.start));
                 }
-                store_point_state(&s.block, body, &range);
+                part.store_point_state(&s.block, &range);
                 load(&mut s.volume.0, &body.volume, &range);
                 plastic_work += dot(&s.block.dissipation, &s.volume.0, range.len());
             }

@@ -3,7 +3,11 @@
 //! Committed and trial state are two things: a step reads the committed columns and writes the
 //! trial columns, and [`Body::commit`] exchanges them. A step that fails leaves nothing behind.
 
+pub mod part;
+
 use std::ops::Range;
+
+pub use part::Part;
 
 use crate::{
     block::{Block, Law},
@@ -208,6 +212,14 @@ impl Body {
     /// Whether there is no point.
     pub fn is_empty(&self) -> bool {
         self.id.is_empty()
+    }
+
+    /// Lends out the trial state, all of it as one part, beside the rest.
+    pub fn apart<R>(&mut self, work: impl FnOnce(&Body, Part<'_>) -> R) -> R {
+        let mut trial = std::mem::take(&mut self.trial);
+        let result = work(self, Part::whole(&mut trial));
+        self.trial = trial;
+        result
     }
 
     /// Makes the trial state the committed one.

@@ -33,9 +33,9 @@ pub fn half_lengths(body: &Body, range: &Range<usize>) -> [Lane; 2] {
     half
 }
 
-/// Deforms the domains of a block by a step: trial F = (I + grad du) F; `du` is xx, xy, yx, yy.
+/// F of a block after a step, (I + grad du) F; `du` is xx, xy, yx, yy.
 #[inline(always)]
-pub fn deform(body: &mut Body, du: &[Lane; 4], range: &Range<usize>) {
+pub fn deformed(body: &Body, du: &[Lane; 4], range: &Range<usize>) -> [Lane; 4] {
     let f = deformation(body, range);
     let mut new = f;
     for i in 0..LANES {
@@ -45,6 +45,13 @@ pub fn deform(body: &mut Body, du: &[Lane; 4], range: &Range<usize>) {
             new[2 * row + 1][i] += a * f[1][i] + b * f[3][i];
         }
     }
+    new
+}
+
+/// Deforms the domains of a block by a step; the trial state gets them.
+#[inline(always)]
+pub fn deform(body: &mut Body, du: &[Lane; 4], range: &Range<usize>) {
+    let new = deformed(body, du, range);
     for (lane, column) in new.iter().zip(&mut body.trial.deformation) {
         store(lane, column, range);
     }

@@ -60,6 +60,13 @@ impl Nodes {
         }
     }
 
+    /// Makes room for `n` nodes.
+    pub fn reach(&mut self, n: usize) {
+        while self.id.len() < n {
+            self.grow();
+        }
+    }
+
     /// Forgets the nodes of the last step.
     pub fn begin(&mut self) {
         for &id in &self.id[..self.count] {
@@ -137,6 +144,19 @@ impl Nodes {
         self.growths += 1;
     }
 
+    /// Adds mass, momentum and force that a part of the body has brought to nodes of its own, and clears these. `map`
+    /// gets the active number here of each node there.
+    pub fn adopt(&mut self, own: &mut Nodes, map: &mut Vec<u32>) {
+        map.clear();
+        map.extend(own.id[..own.count].iter().map(|id| self.patch(*id, &[0])[0] as u32));
+        add(&mut self.mass, &own.mass, map);
+        for axis in 0..2 {
+            add(&mut self.momentum[axis], &own.momentum[axis], map);
+            add(&mut self.force[axis], &own.force[axis], map);
+        }
+        own.begin();
+    }
+
     /// Active number of the grid node at a place inside the grid; `None` where it is not active.
     pub fn slot_at(&self, place: [u32; 2]) -> Option<u32> {
         let node = place[1] as usize * self.grid.row() as usize + place[0] as usize;
@@ -166,4 +186,14 @@ impl Nodes {
     pub fn growth(&self) -> (u64, usize) {
         (self.growths, self.high_water)
     }
+}
+
+/// Adds the entries of a column of a part to those of the whole; `map` tells where each belongs.
+pub fn add(whole: &mut [f64], part: &[f64], map: &[u32]) {
+    map.iter().zip(part).for_each(|(to, value)| whole[*to as usize] += value);
+}
+
+/// Copies for a part what the whole has at its nodes.
+pub fn copy(part: &mut [f64], whole: &[f64], map: &[u32]) {
+    map.iter().zip(part).for_each(|(from, value)| *value = whole[*from as usize]);
 }

@@ -62,7 +62,14 @@ fn force_inside<S: Shape<N>, const N: usize>(shape: S, stretch: [f64; 2], shift:
     body.committed.jacobian.fill(stretch[0] * stretch[1]);
     let (mut nodes, mut scratch) = (Nodes::new(scene.grid), Box::<Scratch<N>>::default());
     nodes.begin();
-    FpPath::best().run(Scatter { scratch: &mut scratch, body: &body, nodes: &mut nodes, cells: None, shape });
+    FpPath::best().run(Scatter {
+        scratch: &mut scratch,
+        body: &body,
+        nodes: &mut nodes,
+        cells: None,
+        stretch: 0..body.len(),
+        shape,
+    });
     let deep = |s: &usize| {
         let x = nodes.grid.node_position(nodes.id[*s]);
         (0..2).all(|a| (x[a] - 5.0 - shift[a]).abs() < 0.51)

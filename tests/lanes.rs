@@ -90,7 +90,7 @@ fn strained(body: &mut Body, seed: u64) {
 fn step<S: Shape<N>, const N: usize>(shape: S, body: &mut Body, gravity: f64, dt: f64, path: FpPath) -> f64 {
     let (mut nodes, mut scratch) = (Nodes::new(GRID), Box::<Scratch<N>>::default());
     let s = scratch.as_mut();
-    path.run(Scatter { scratch: s, body, nodes: &mut nodes, cells: None, shape });
+    path.run(Scatter { scratch: s, body, nodes: &mut nodes, cells: None, stretch: 0..body.len(), shape });
     let inverse: Vec<f64> = nodes.mass[..nodes.count].iter().map(|m| if *m > 0.0 { 1.0 / m } else { 0.0 }).collect();
     for (axis, g) in [0.0, gravity].into_iter().enumerate() {
         for (i, inverse) in inverse.iter().enumerate() {
@@ -100,14 +100,18 @@ fn step<S: Shape<N>, const N: usize>(shape: S, body: &mut Body, gravity: f64, dt
             nodes.momentum[axis][i] = 0.0;
         }
     }
-    let push = Push { scratch: s, body, nodes: &mut nodes, dt, remap: true, shape };
-    Carrier::new(Transfer::Flip { pic_rate: 0.5 }).push(push, path).unwrap();
+    body.apart(|body, part| {
+        let push = Push { scratch: s, body, part, nodes: &mut nodes, dt, remap: true, shape };
+        Carrier::new(Transfer::Flip { pic_rate: 0.5 }).push(push, path).unwrap();
+    });
     for axis in 0..2 {
         for (i, inverse) in inverse.iter().enumerate() {
             nodes.strain_velocity[axis][i] = nodes.momentum[axis][i] * inverse;
         }
     }
-    let work = path.run(Strain { scratch: s, body, nodes: &nodes, cells: None, dt, shape }).unwrap();
+    let nodes = &nodes;
+    let work =
+        body.apart(|body, part| path.run(Strain { scratch: s, body, part, nodes, cells: None, dt, shape })).unwrap();
     body.commit();
     work
 }

@@ -12,4 +12,5 @@ pub mod sparse;
 pub mod stats;
 pub mod strip;
 pub mod sums;
+pub mod team;
 pub mod tensor;

@@ -243,6 +243,7 @@ fn with_shape<S: Shape<N>, const N: usize>(
     Ok(match case.solver.scheme {
         case::Scheme::Explicit => {
             let mut explicit = Explicit::new(shape, grid, schemes::explicit(case), effects);
+            explicit.in_parts(body);
             if !averages.is_empty() {
                 explicit.soften_by(body, averages);
             }

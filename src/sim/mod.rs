@@ -5,6 +5,7 @@ use crate::{
     block::Law,
     body::Body,
     fault::Fault,
+    math::team::Team,
     step::{Books, Event, Flows, Integrator, Report, control::Control},
     work::Work,
 };
@@ -116,6 +117,14 @@ impl Simulation {
     /// Whether the in-situ phase is still under way.
     pub fn settling(&self) -> bool {
         self.in_situ.is_some()
+    }
+
+    /// Steps on `threads` threads from now on, with the same bits; how many of them find work.
+    ///
+    /// # Errors
+    /// A thread cannot be started.
+    pub fn share(&mut self, threads: usize) -> std::io::Result<usize> {
+        Ok(self.integrator.share(Team::new(threads)?))
     }
 
     /// The state of the points.

@@ -1,6 +1,10 @@
 //! The explicit integrator of Sulsky & Schreyer (1996): lumped mass, stresses updated last.
 
+mod crew;
+
 use std::marker::PhantomData;
+
+use crew::Crew;
 
 use crate::{
     assembly::{
@@ -13,7 +17,10 @@ use crate::{
     domain,
     effect::{Clock, Effect, Pass},
     fault::Fault,
-    math::simd::{FpPath, Kernel},
+    math::{
+        simd::{FpPath, Kernel},
+        team::Team,
+    },
     nodes::Nodes,
     space::{Grid, Shape, Stencil},
     step::{
@@ -62,6 +69,8 @@ pub struct Explicit<S, const N: usize> {
     nodes: Nodes,
     carrier: Carrier,
     scratch: Box<Scratch<N>>,
+    /// Where the body is large enough for several parts, and every pass of the case can go over parts.
+    crew: Option<Crew<S, N>>,
     effects: Vec<Box<dyn Effect>>,
     lists: StageLists,
     plastic: f64,
@@ -118,6 +127,7 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
             nodes: Nodes::new(grid),
             carrier: Carrier::new(settings.transfer),
             scratch: Box::default(),
+            crew: None,
             effects,
             lists,
             plastic: 0.0,
@@ -130,6 +140,13 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
             cells: settings.smooth.then(|| Box::new(CellMeans::new(&grid))),
             nonlocal: None,
         }
+    }
+
+    /// Lets large bodies be stepped in parts, on one thread until [`Integrator::share`] says more. Not with XPIC, whose
+    /// filter passes over the whole body, nor with smoothed dilatation, whose cells may lie in two parts.
+    pub fn in_parts(&mut self, body: &Body) {
+        let whole = matches!(self.settings.transfer, Transfer::Xpic { .. }) || self.settings.smooth;
+        self.crew = if whole { None } else { Crew::of(body, self.nodes.grid, self.shape, self.path) };
     }
 
     /// Lets the strength of some groups follow averages from now on.
@@ -148,9 +165,7 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
         self.strain_velocity(clock, work);
         let flows =
             self.path.run(Weigh { nodes: &self.nodes, stress_update: self.settings.stress_update, dt: clock.dt });
-        let Explicit { scratch, nodes, shape, path, cells, .. } = self;
-        let (scratch, cells) = (scratch.as_mut(), cells.as_deref_mut());
-        let plastic = path.run(Strain { scratch, body, nodes, cells, dt: clock.dt, shape: *shape })?;
+        let plastic = self.strain(body, clock.dt)?;
         self.commit(body, plastic, floor, &flows, work);
         self.soften(body, work);
         self.keep_sorted(body, runs, work);
@@ -177,10 +192,23 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
 
     fn scatter(&mut self, body: &Body) -> u64 {
         self.nodes.begin();
-        let Explicit { scratch, nodes, shape, path, cells, .. } = self;
+        let Explicit { scratch, nodes, shape, path, cells, crew, .. } = self;
+        if let Some(crew) = crew {
+            crew.scatter(body, nodes);
+            return crew.runs();
+        }
         let (scratch, cells) = (scratch.as_mut(), cells.as_deref_mut());
-        path.run(Scatter { scratch, body, nodes, cells, shape: *shape });
+        path.run(Scatter { scratch, body, nodes, cells, stretch: 0..body.len(), shape: *shape });
         self.scratch.runs.len() as u64
+    }
+
+    fn strain(&mut self, body: &mut Body, dt: f64) -> Result<f64, Fault> {
+        let Explicit { scratch, nodes, shape, path, cells, crew, .. } = self;
+        if let Some(crew) = crew {
+            return crew.strain(body, nodes, dt);
+        }
+        let (scratch, cells) = (scratch.as_mut(), cells.as_deref_mut());
+        body.apart(|body, part| path.run(Strain { scratch, body, part, nodes, cells, dt, shape: *shape }))
     }
 
     /// v = p / m at the start, forces, v += dt f / m, supports.
@@ -208,24 +236,34 @@ impl<S: Shape<N>, const N: usize> Explicit<S, N> {
     /// Forces on points go to the nodes as they are, after what light nodes withhold: they are shared
     /// by volume, so that they go with the mass as weight does.
     fn spread_loads(&mut self, body: &Body, clock: Clock, work: &mut Work) {
-        let Explicit { nodes, effects, lists, path, scratch, shape, point_forces, .. } = self;
+        let Explicit { nodes, effects, lists, path, scratch, shape, point_forces, crew, .. } = self;
         if lists.load.is_empty() {
             return;
         }
         gather(point_forces, effects, &lists.load, body, clock);
-        path.run(Spread { scratch: scratch.as_mut(), body, nodes, forces: point_forces, shape: *shape });
+        match crew {
+            Some(crew) => crew.spread_loads(body, nodes, point_forces),
+            None => {
+                let (scratch, forces, stretch) = (scratch.as_mut(), &*point_forces, 0..body.len());
+                path.run(Spread { scratch, body, nodes, forces, stretch, shape: *shape });
+            }
+        }
         // for the forces, and for the books once the points have moved
         work.effect_calls += 2 * lists.load.len() as u64;
     }
 
     fn push(&mut self, body: &mut Body, dt: f64) -> Result<(), Fault> {
-        let Explicit { scratch, nodes, carrier, shape, path, settings, .. } = self;
+        let Explicit { scratch, nodes, carrier, shape, path, settings, crew, .. } = self;
         let remap = settings.stress_update == StressUpdate::Musl;
         if remap {
             let n = nodes.count;
             nodes.momentum.iter_mut().for_each(|m| m[..n].fill(0.0));
         }
-        carrier.push(Push { scratch: scratch.as_mut(), body, nodes, dt, remap, shape: *shape }, *path)
+        if let Some(crew) = crew {
+            return crew.push(body, nodes, settings.transfer, dt, remap);
+        }
+        let scratch = scratch.as_mut();
+        body.apart(|body, part| carrier.push(Push { scratch, body, part, nodes, dt, remap, shape: *shape }, *path))
     }
 
     /// The velocity that strains the points.
@@ -399,6 +437,10 @@ impl<S: Shape<N>, const N: usize> Integrator for Explicit<S, N> {
         result
     }
 
+    fn share(&mut self, team: Team) -> usize {
+        self.crew.as_mut().map_or(1, |crew| crew.join(self.nodes.grid, team))
+    }
+
     fn nodal_kinetic_energy(&self) -> f64 {
         self.nodes.kinetic_energy()
     }
@@ -412,7 +454,9 @@ impl<S: Shape<N>, const N: usize> Integrator for Explicit<S, N> {
     fn bytes(&self) -> usize {
         let loads: usize = self.point_forces.iter().map(|f| 8 * f.capacity()).sum();
         let averages = self.nonlocal.as_ref().map_or(0, |n| n.bytes());
-        self.nodes.bytes() + loads + averages + self.carrier.bytes() + self.cells.as_ref().map_or(0, |c| c.bytes())
+        let runs = self.crew.as_ref().map_or_else(|| self.scratch.runs.bytes(), |c| c.bytes());
+        let cells = self.cells.as_ref().map_or(0, |c| c.bytes());
+        self.nodes.bytes() + loads + averages + self.carrier.bytes() + cells + runs
     }
 }
 

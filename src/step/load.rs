@@ -1,8 +1,10 @@
 //! Forces on points, and the way to the nodes.
 
+use std::ops::Range;
+
 use crate::{
     assembly::{Scratch, collect, deposit, place},
-    body::{Body, chunks, load},
+    body::{Body, chunks, load, part::common},
     effect::{Clock, Effect},
     math::simd::Kernel,
     nodes::Nodes,
@@ -35,6 +37,8 @@ pub struct Spread<'a, S, const N: usize> {
     pub body: &'a Body,
     pub nodes: &'a mut Nodes,
     pub forces: &'a PointForces,
+    /// The points of the pass, those of the runs.
+    pub stretch: Range<usize>,
     pub shape: S,
 }
 
@@ -43,8 +47,8 @@ impl<S: Shape<N>, const N: usize> Kernel for Spread<'_, S, N> {
 
     #[inline(always)]
     fn run(self) {
-        let Spread { scratch: s, body, nodes, forces, .. } = self;
-        let blocks = body.groups.iter().flat_map(|g| chunks(g.range.clone()));
+        let Spread { scratch: s, body, nodes, forces, stretch, .. } = self;
+        let blocks = body.groups.iter().flat_map(|g| chunks(common(&g.range, &stretch)));
         for (b, range) in blocks.enumerate() {
             let loaded = forces.iter().any(|f| f[range.clone()].iter().any(|f| *f != 0.0));
             if !loaded {

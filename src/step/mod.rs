@@ -14,6 +14,7 @@ use crate::{
     body::Body,
     effect::{Clock, Effect, Sink, Totals},
     fault::Fault,
+    math::team::Team,
     work::Work,
 };
 
@@ -81,6 +82,12 @@ pub trait Integrator: Send {
 
     /// One step. On `Err` the body and the books are as before.
     fn step(&mut self, body: &mut Body, clock: Clock, work: &mut Work) -> Result<(), Fault>;
+
+    /// Steps on the threads of a team from now on, with the same bits; how many of them find work. One, the calling
+    /// thread, where a step cannot be shared.
+    fn share(&mut self, _team: Team) -> usize {
+        1
+    }
 
     /// Nodal kinetic energy after the last step (kJ/m).
     fn nodal_kinetic_energy(&self) -> f64;

@@ -13,4 +13,4 @@ pub mod quantity;
 pub mod strength_reduction;
 pub mod validate;
 pub mod variant;
-mod workers;
+pub(crate) mod workers;

@@ -9,21 +9,25 @@ use crate::{
         affine::{self, Affine},
         collect, deposit, place, spread,
     },
-    body::{Body, chunks, load, store},
+    body::{
+        Body, Part, chunks, load,
+        part::{common, store_all},
+    },
     fault::{Fault, FaultKind},
     math::simd::Kernel,
     nodes::Nodes,
     space::{Grid, Shape, stencil::LANES},
 };
 
-/// Moves the points and gives them their new velocity; with `remap` the momentum of the new
+/// Moves the points of a part and gives them their new velocity; with `remap` the momentum of the new
 /// velocities goes back to the nodes, at the old positions (MUSL).
 /// ```text
 /// x_p += dt sum N_i v_i
 /// ```
 pub struct Push<'a, S, const N: usize> {
     pub scratch: &'a mut Scratch<N>,
-    pub body: &'a mut Body,
+    pub body: &'a Body,
+    pub part: Part<'a>,
     pub nodes: &'a mut Nodes,
     pub dt: f64,
     pub remap: bool,
@@ -35,11 +39,11 @@ impl<S: Shape<N>, R: Rule, const N: usize> Kernel for Ruled<Push<'_, S, N>, R> {
 
     #[inline(always)]
     fn run(self) -> Self::Output {
-        let Ruled { pass: Push { scratch: s, body, nodes, dt, remap, .. }, rule } = self;
+        let Ruled { pass: Push { scratch: s, body, mut part, nodes, dt, remap, .. }, rule } = self;
         let grid = nodes.grid;
         let mut block = 0;
-        for g in 0..body.groups.len() {
-            for range in chunks(body.groups[g].range.clone()) {
+        for group in &body.groups {
+            for range in chunks(common(&group.range, &part.range)) {
                 let ([vx, vy], [ox, oy]) = (&nodes.velocity, rule.second(nodes));
                 // first, so that what it writes is in the cache when it is read
                 spread(s.runs.of(block), &mut s.nodal, [vx, vy, ox, oy]);
@@ -51,13 +55,12 @@ impl<S: Shape<N>, R: Rule, const N: usize> Kernel for Ruled<Push<'_, S, N>, R> {
                 if !all_inside(s, &grid, range.len()) {
                     return Err(departure(s, body, &grid, &range));
                 }
-                for axis in 0..2 {
-                    store(&s.x.0[axis], &mut body.trial.x[axis], &range);
-                    store(&s.v.0[axis], &mut body.trial.v[axis], &range);
-                }
+                let local = part.local(&range);
+                store_all(&s.x.0, &mut part.x, &local);
+                store_all(&s.v.0, &mut part.v, &local);
                 let c = R::AFFINE.then(|| affine::fit::<S, N>(&s.stencil, [&s.nodal[0], &s.nodal[1]], grid.h));
                 if let Some(c) = &c {
-                    affine::keep(c, body, &range);
+                    store_all(c, &mut part.affine, &local);
                 }
                 if remap {
                     load(&mut s.mass.0, &body.mass, &range);

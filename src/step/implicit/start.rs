@@ -25,7 +25,7 @@ impl<S: Shape<N>, const N: usize> Implicit<S, N> {
             self.nodes.begin();
             let Implicit { scratch, nodes, kept, system, effects, path, shape, .. } = self;
             let shape = *shape;
-            path.run(Scatter { scratch: scratch.as_mut(), body, nodes, cells: None, shape });
+            path.run(Scatter { scratch: scratch.as_mut(), body, nodes, cells: None, stretch: 0..body.len(), shape });
             system.begin(nodes.count);
             path.run(Keep { scratch: scratch.as_mut(), body, nodes, kept, system, shape });
             for effect in effects.iter_mut().filter(|e| e.stages().couple) {

@@ -303,6 +303,7 @@ fn mapped(run: &Run) -> Nodes {
 
 fn mapped_by<S: Shape<N>, const N: usize>(run: &Run, shape: S) -> Nodes {
     let (mut nodes, mut scratch) = (Nodes::new(run.grid), Box::<Scratch<N>>::default());
-    FpPath::best().run(Scatter { scratch: &mut scratch, body: &run.sim.body, nodes: &mut nodes, cells: None, shape });
+    let (body, stretch) = (&run.sim.body, 0..run.sim.body.len());
+    FpPath::best().run(Scatter { scratch: &mut scratch, body, nodes: &mut nodes, cells: None, stretch, shape });
     nodes
 }

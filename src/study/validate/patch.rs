@@ -10,6 +10,7 @@ use super::{
 };
 use crate::{
     assembly::{Scatter, Scratch, Strain},
+    body::{Body, Part},
     case::Kinematics,
     field::stream::{Purpose, Stream},
     math::{simd::FpPath, tensor::Voigt},
@@ -90,14 +91,15 @@ fn strain_with<S: Shape<N>, const N: usize>(
     let (body, path) = (&mut run.sim.body, FpPath::best());
     let mut nodes = Nodes::new(run.grid);
     let mut scratch = Box::<Scratch<N>>::default();
-    path.run(Scatter { scratch: &mut scratch, body, nodes: &mut nodes, cells: None, shape });
+    path.run(Scatter { scratch: &mut scratch, body, nodes: &mut nodes, cells: None, stretch: 0..body.len(), shape });
     for s in 0..nodes.count {
         let v = velocity(run.grid.node_position(nodes.id[s]));
         nodes.strain_velocity[0][s] = v.x;
         nodes.strain_velocity[1][s] = v.y;
     }
-    let kernel = Strain { scratch: &mut scratch, body, nodes: &nodes, cells: None, dt, shape };
-    path.run(kernel).map_err(|fault| fault.to_string())?;
+    let (scratch, nodes) = (scratch.as_mut(), &nodes);
+    let pass = |body: &Body, part: Part| path.run(Strain { scratch, body, part, nodes, cells: None, dt, shape });
+    body.apart(pass).map_err(|fault| fault.to_string())?;
     body.trial.x.clone_from(&body.committed.x);
     body.trial.v.clone_from(&body.committed.v);
     body.commit();
