@@ -72,7 +72,7 @@ impl Carrier {
             }
             Transfer::Apic => path.run(Ruled { pass, rule: Apic }),
             Transfer::Xpic { order } => {
-                let parts = (&*pass.body, &*pass.nodes);
+                let parts = (pass.body, &*pass.nodes);
                 self.filter.run::<S, N>(order, path, &mut *pass.scratch, parts, None);
                 path.run(Ruled { pass, rule: Xpic { filtered: &self.filter.filtered } })
             }

@@ -156,7 +156,7 @@ fn a_finest_run_is_doubted_by_the_limits_beside_it() {
     let all = all(&plan(&[("solver.shape", &["gimp"]), ("solver.scheme", &["implicit"])]));
     let value = |s: &Setting| {
         let (h, dt) = (s.case.grid.cell, s.case.implicit.time_step);
-        let wild = if h > 0.7 || h < 0.3 { 2.5 } else { 1.0 };
+        let wild = if !(0.3..=0.7).contains(&h) { 2.5 } else { 1.0 };
         if dt < 0.01 { wild } else { 2.0 + 0.3 * h * h + dt }
     };
     let points: Vec<Point<'_>> = all
