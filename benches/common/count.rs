@@ -15,8 +15,14 @@ pub fn possible() -> bool {
 /// `--cache-sim=yes` among the `options` data reads, data writes, then the misses of the first level: instructions,
 /// reads, writes; and those of the last.
 pub fn events(args: &[&str], options: &[&str]) -> Vec<f64> {
+    events_on("avx2", args, options)
+}
+
+/// As [`events`], on an instruction path: valgrind knows none beyond AVX2.
+pub fn events_on(path: &str, args: &[&str], options: &[&str]) -> Vec<f64> {
     let program = std::env::current_exe().expect("this program has a path");
     let output = Command::new("valgrind")
+        .env("RMPM_FP_PATH", path)
         .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
         .args(options)
         .arg(program)
