@@ -1,6 +1,6 @@
 //! Systems of equations over a [`Pattern`]: the choice of method, the checks, the fallbacks.
 //!
-//! A symmetric system in which inertia prevails goes to conjugate gradients first ([`inertia`]); else it is tried by L L^T, by L B L^T if that meets a pivot that is not positive, and
+//! A symmetric system in which inertia prevails goes to conjugate gradients first (`inertia.rs`); else it is tried by L L^T, by L B L^T if that meets a pivot that is not positive, and
 //! by LU. An unsymmetric one goes to LU at once, or first to GMRES with the L L^T of its symmetric
 //! part as preconditioner, if that is asked for and the part has such a factor. Every solution is checked; what is
 //! off is refined once, and what stays off goes to the next method. All is done by one thread in a fixed order: equal

@@ -64,7 +64,7 @@ pub enum Verdict {
     NoDecay {
         rate: Option<f64>,
     },
-    /// The runs of a level scatter, and are fewer than [`FEWEST`].
+    /// The runs of a level scatter, and are fewer than `FEWEST`.
     FewRuns {
         runs: usize,
     },
