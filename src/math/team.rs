@@ -54,10 +54,20 @@ impl Team {
             }
             return;
         };
-        let line =
-            Line { free: desks.iter_mut().collect(), jobs: jobs.enumerate(), waiting: Vec::new(), taken: 0, take };
+        let line = Line {
+            free: desks.iter_mut().collect(),
+            jobs: jobs.enumerate(),
+            waiting: Vec::new(),
+            taken: 0,
+            broken: false,
+            take,
+        };
         let (line, freed) = (Mutex::new(line), Condvar::new());
         let serve = || {
+            let _alarm = Alarm(|| {
+                lock(&line).broken = true;
+                freed.notify_all();
+            });
             while let Some((desk, k, job)) = next(&line, &freed) {
                 let result = work(desk, job);
                 lock(&line).hand_in(k, desk, result);
@@ -78,6 +88,8 @@ struct Line<'d, D, J, R, T> {
     waiting: Vec<(usize, &'d mut D, R)>,
     /// Results taken so far.
     taken: usize,
+    /// Whether a thread has panicked: its result will not come, and nobody may wait for it.
+    broken: bool,
     take: T,
 }
 
@@ -94,7 +106,18 @@ impl<'d, D, J, R, T: FnMut(&mut D, R)> Line<'d, D, J, R, T> {
     }
 }
 
-/// A desk and the next job; `None` when there is no job left. The job whose turn is next always has a desk: jobs are
+/// Is called where its thread unwinds.
+struct Alarm<F: Fn()>(F);
+
+impl<F: Fn()> Drop for Alarm<F> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            (self.0)();
+        }
+    }
+}
+
+/// A desk and the next job; `None` when there is no job left, or a thread has panicked. The job whose turn is next always has a desk: jobs are
 /// handed out in order.
 fn next<'d, D, J, R, T>(
     line: &Mutex<Line<'d, D, impl Iterator<Item = (usize, J)>, R, T>>,
@@ -102,6 +125,9 @@ fn next<'d, D, J, R, T>(
 ) -> Option<(&'d mut D, usize, J)> {
     let mut line = lock(line);
     loop {
+        if line.broken {
+            return None;
+        }
         if let Some(desk) = line.free.pop() {
             let job = line.jobs.next();
             return job.map(|(k, job)| (desk, k, job));
